@@ -6,7 +6,7 @@ use super::continuum::{ContinuumLaw, Elastic, VolumeBarrier};
 use super::deformable::Deformable;
 use super::law::MaterialLaw;
 use super::material::Material;
-use super::matter::Blueprint;
+use super::matter::{Blueprint, Grain};
 use super::node_map::NodeMap;
 use super::settings::{DeformableError, StepSettings};
 use super::springs::{self, SpringRule};
@@ -107,6 +107,11 @@ impl<'a, M: Fn(usize) -> Material> Solid<'a, M> {
             }
         };
         let quality = grid.quality();
+        let grains = match inside {
+            // Smooth coordinates bend under a tool within a span.
+            Inside::SmoothContinuum => Vec::new(),
+            _ => grains(grid, &map, coordinates.len(), elastic),
+        };
         let blueprint = Blueprint {
             coordinates,
             map,
@@ -117,9 +122,35 @@ impl<'a, M: Fn(usize) -> Material> Solid<'a, M> {
             quality,
             cells: grid.cells.clone(),
             young_pa: of_cells().iter().map(|elastic| elastic.young_pa).collect(),
+            grains,
         };
         Deformable::new(blueprint, common.damping_s, common.plastic, settings)
     }
+}
+
+/// What each coordinate stands for: an eighth of the cells of each of its nodes.
+fn grains(
+    grid: &CellGrid,
+    map: &NodeMap,
+    coordinates: usize,
+    elastic: impl Fn(usize) -> Elastic,
+) -> Vec<Grain> {
+    let (mut volumes, mut moduli) = (vec![0.0; grid.nodes.len()], vec![0.0; grid.nodes.len()]);
+    for (c, cell) in grid.cells.iter().enumerate() {
+        let Elastic { young_pa, poisson } = elastic(c);
+        let share = grid.volume(cell) / 8.0;
+        for &node in cell {
+            volumes[node as usize] += share;
+            moduli[node as usize] += share * young_pa / (1.0 - poisson * poisson);
+        }
+    }
+    let lumped = |of_nodes: &[f64]| map.lumped(of_nodes, coordinates);
+    let (volumes, moduli) = (lumped(&volumes), lumped(&moduli));
+    let grain = |(volume_m3, modulus): (f64, f64)| Grain {
+        volume_m3,
+        plane_modulus_pa: modulus / volume_m3,
+    };
+    volumes.into_iter().zip(moduli).map(grain).collect()
 }
 
 /// Masses of nodes, kg: an eighth of each cell's for each of its corners, scaled so that the whole

@@ -38,6 +38,17 @@ pub struct Blueprint {
     pub cells: Vec<Cell>,
     /// (cells): Young's modulus, Pa.
     pub young_pa: Vec<f64>,
+    /// (coordinates): what each stands for; empty where there is no solid.
+    pub grains: Vec<Grain>,
+}
+
+/// The part of a solid that a coordinate stands for.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Grain {
+    /// m³.
+    pub volume_m3: f64,
+    /// E / (1 − ν²), Pa.
+    pub plane_modulus_pa: f64,
 }
 
 /// A body without its step.
@@ -66,6 +77,8 @@ pub(super) struct Matter {
     pub cells: Vec<Cell>,
     /// (cells).
     pub young_pa: Vec<f64>,
+    /// (coordinates), or none.
+    pub grains: Vec<Grain>,
 }
 
 impl Matter {
@@ -89,6 +102,7 @@ impl Matter {
             quality,
             cells,
             young_pa,
+            grains,
         } = blueprint;
         let count = rest.len();
         let masses = map.lumped(&masses, count);
@@ -130,6 +144,7 @@ impl Matter {
             quality,
             cells,
             young_pa,
+            grains,
         })
     }
 

@@ -74,6 +74,7 @@ pub fn membrane(
         quality,
         cells: Vec::new(),
         young_pa: Vec::new(),
+        grains: Vec::new(),
     };
     Deformable::new(blueprint, material.damping_s, material.plastic, settings)
 }

@@ -59,7 +59,7 @@ pub use field::Field;
 pub use lattice::{Inside, Solid};
 pub use law::MaterialLaw;
 pub use material::{Material, PRESETS, Plastic, Preset, Stiffening, preset};
-pub use matter::Blueprint;
+pub use matter::{Blueprint, Grain};
 pub use membrane::membrane;
 pub use node_map::{NodeMap, SparseRows};
 pub use settings::{DeformableError, Integrator, StepMatrix, StepSettings};

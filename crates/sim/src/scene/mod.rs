@@ -30,6 +30,7 @@ pub use schema::schema;
 use crate::body::Deformable;
 use crate::haptics::{Coupling, DeviceBounds, DeviceFigures, LinkLimits, StiffnessLimits};
 use crate::solve::friction::Friction;
+use crate::solve::indentation::Resolution;
 use crate::solve::rows::{Holder, most_rows};
 use palpate_geometry::contact::dispatch::{Method, Party};
 use palpate_geometry::contact::{ContactSamples, ToolShape};
@@ -93,6 +94,8 @@ pub(crate) enum BodyModel {
 pub(crate) struct DeformingBody {
     pub deformable: Deformable,
     pub samples: ContactSamples,
+    /// (control points): how finely a solid resolves what presses it; empty for a membrane.
+    pub resolution: Vec<Resolution>,
     pub sweeps: usize,
     /// The body steps once in so many ticks.
     pub every: u32,

@@ -16,6 +16,7 @@ pub mod cones;
 pub mod delassus;
 pub mod friction;
 pub mod grip;
+pub mod indentation;
 pub mod proxy;
 pub mod row_key;
 pub mod rows;

@@ -62,6 +62,11 @@ impl RowKey {
         matches!(self, Self::Foot(_))
     }
 
+    /// Where a tool holds on to the body.
+    pub fn is_anchor(self) -> bool {
+        matches!(self, Self::Anchor(_))
+    }
+
     /// The number of this key in a saved state.
     pub fn to_bits(self) -> u32 {
         match self {

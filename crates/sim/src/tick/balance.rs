@@ -75,6 +75,9 @@ pub(super) fn solve(scene: &Scene, state: &SceneState, scratch: &mut Scratch) {
             }
         }
     }
+    if !whole {
+        add_indentations(scratch);
+    }
     for i in 0..count {
         let own = scratch.problem.entry(i, i);
         scratch.problem.row_mut(i)[i] = own + own * scratch.rows.rows[i].ease;
@@ -377,6 +380,28 @@ fn add_body_compliance(body: usize, deformable: &Deformable, whole: bool, scratc
     });
 }
 
+/// Adds how far tools go in beyond what the nets of bodies show.
+fn add_indentations(scratch: &mut Scratch) {
+    let Scratch {
+        rows,
+        problem,
+        indentations,
+        ..
+    } = scratch;
+    for (i, a) in rows.rows.iter().enumerate() {
+        let dent = &indentations[a.id.pair as usize];
+        if dent.slope_m_n == 0.0 {
+            continue;
+        }
+        let along = dent.slope_m_n * a.normal.dot(&dent.normal);
+        for (j, b) in rows.rows.iter().enumerate() {
+            if a.id.pair == b.id.pair {
+                problem.row_mut(i)[j] += along * b.normal.dot(&dent.normal);
+            }
+        }
+    }
+}
+
 /// How each soft mode of a body moves a row, into the scratch; false if none does.
 fn modes_of_row(body: usize, deformable: &Deformable, scratch: &mut Scratch, row: &Row) -> bool {
     let Scratch {
@@ -448,6 +473,13 @@ fn give_modes(scene: &Scene, scratch: &mut Scratch, row: &Row) {
             }
         }
         first += deformable.mode_count();
+    }
+    let pair = row.id.pair as usize;
+    let dent = &scratch.indentations[pair];
+    if dent.slope_m_n > 0.0 && !row.id.key.is_anchor() {
+        scratch
+            .friction
+            .add_mode(first + pair, dent.slope_m_n, &dent.normal);
     }
 }
 

@@ -17,8 +17,9 @@ use super::{BodyScratch, PairState, SceneState, Scratch};
 use super::{grip, rest, stick};
 use crate::haptics::LinkPhase;
 use crate::scene::{Body, BodyModel, Pair, Scene, Tool};
+use crate::solve::indentation::{Indentation, Resolution};
 use crate::solve::proxy::BallContact;
-use crate::solve::row_key::RowKey;
+use crate::solve::row_key::{RowId, RowKey};
 use crate::solve::rows::{Approach, DeformingView, Holder, RowSet};
 use palpate_geometry::basis::BasisWindow;
 use palpate_geometry::contact::dispatch::{Method, Narrow};
@@ -45,6 +46,7 @@ const SAME: f64 = 1e-6;
 /// Moves the proxies on the surfaces as they stand and writes the rows of the contact problem.
 pub(super) fn gather(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) {
     scratch.rows.clear();
+    scratch.indentations.fill(Indentation::default());
     for (t, tool) in scene.tools.iter().enumerate() {
         let link = &state.tools[t].link;
         let coupling = tool.coupling_for(&state.tools[t].bounds);
@@ -122,6 +124,7 @@ fn ball(
         pairs,
         rows,
         hits,
+        indentations,
         ..
     } = scratch;
     let pair = &scene.pairs[p];
@@ -216,6 +219,19 @@ fn ball(
     };
     let warm = &state.warm[..state.warm_len];
     push_feet(rows, p, pair, feet, warm, parts, &view, &tool, way, look);
+    if let BodyModel::Deforming(model) = &body.model {
+        let pushes = |id: &RowId| id.pair as usize == p && !id.key.is_anchor();
+        let force_n = (warm.iter().filter(|row| pushes(&row.id)))
+            .map(|row| row.force_n)
+            .sum();
+        let (controls, weights) = rows.weights_at(&view, held.foot.u, held.foot.v);
+        let place = Resolution::blend(&model.resolution, controls, weights);
+        let dent = Indentation::of(radius_m, &place, force_n, &held.normal);
+        for row in rows.of_pair_mut().iter_mut().filter(|row| pushes(&row.id)) {
+            row.gap_m += dent.offset_m * row.normal.dot(&dent.normal);
+        }
+        indentations[p] = dent;
+    }
 }
 
 /// Samples that the body's own motion brings to a tool within the tick: one met a tick late

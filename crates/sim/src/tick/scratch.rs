@@ -10,6 +10,7 @@ use crate::solve::complementarity::Complementarity;
 use crate::solve::cones::ConeShare;
 use crate::solve::delassus::Delassus;
 use crate::solve::friction::{FrictionProblem, Stick};
+use crate::solve::indentation::Indentation;
 use crate::solve::rows::{MAX_ROWS_PER_PAIR, RowSet, SampleInTouch};
 use crate::solve::sharing::Share;
 use crate::solve::side::Sided;
@@ -31,6 +32,8 @@ pub struct Scratch {
     pub(super) near: Near,
     pub(super) rest: Rest,
     pub(super) rows: RowSet,
+    /// By pair: how far the tool goes in beyond what the body's net shows.
+    pub(super) indentations: Vec<Indentation>,
     /// Samples of one pair in touch.
     pub(super) hits: Vec<SampleInTouch>,
     pub(super) problem: Complementarity,
@@ -227,13 +230,14 @@ impl Scene {
             near: Near::new(self),
             rest: Rest::new(self),
             rows: RowSet::new(most_rows, self.tools.len(), width),
+            indentations: vec![Indentation::default(); self.pairs.len()],
             hits: Vec::with_capacity(MAX_ROWS_PER_PAIR),
             problem: Complementarity::new(most_rows),
             friction: FrictionProblem::new(
                 frictional_rows,
                 self.tools.len(),
-                all_modes,
-                2 * most_modes,
+                all_modes + self.pairs.len(),
+                2 * most_modes + 1,
             ),
             mode_moves: vec![Vector3::zeros(); most_modes],
             modes_along: vec![0.0; most_rows.min(balance::MANY_ROWS) * most_modes],

@@ -2,6 +2,7 @@
 
 use super::{Deformable, FIXED, Stepper, lanes};
 use crate::body::cells::{Cell, CellQuality};
+use crate::body::matter::Grain;
 use crate::body::node_map::NodeMap;
 use crate::body::state::{DeformableScratch, DeformableState};
 use palpate_geometry::math::{Lane, Matrix3, Point3, Vector3};
@@ -82,6 +83,11 @@ impl Deformable {
     /// (cells): Young's modulus, Pa.
     pub fn young_pa(&self) -> &[f64] {
         &self.matter.young_pa
+    }
+
+    /// The part of a solid that a coordinate stands for; none of a membrane.
+    pub fn grain(&self, coordinate: usize) -> Option<Grain> {
+        self.matter.grains.get(coordinate).copied()
     }
 
     /// Number of coordinates.

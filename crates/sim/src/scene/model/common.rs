@@ -9,6 +9,7 @@ use crate::scene::plan::step_us;
 use crate::scene::refine::{self, Refined};
 use crate::scene::spec::{IterationsSpec, MatrixSpec, MethodSpec, RefineSpec, RegionSpec};
 use crate::scene::{BodyModel, DeformingBody, samples_per_span};
+use crate::solve::indentation::Resolution;
 use palpate_geometry::contact::ContactSamples;
 use palpate_geometry::math::{Point3, Vector3};
 use palpate_geometry::surface::Surface;
@@ -89,6 +90,7 @@ pub(super) fn deforming<'b>(
         why,
     };
     let model = DeformingBody {
+        resolution: resolution(&refined, &deformable),
         deformable,
         samples,
         sweeps: spec.integrator.contact_sweeps,
@@ -96,6 +98,26 @@ pub(super) fn deforming<'b>(
         choice,
     };
     Some((refined, BodyModel::Deforming(Box::new(model))))
+}
+
+/// How finely a solid resolves what presses it, at each of its control points.
+fn resolution(surface: &Surface, body: &Deformable) -> Vec<Resolution> {
+    let (u, v) = (surface.knots_u().greville(), surface.knots_v().greville());
+    let places = u.iter().flat_map(|&u| v.iter().map(move |&v| (u, v)));
+    let at = |(control, (u, v)): (usize, (f64, f64))| {
+        let grain = body.grain(body.coordinate_of_control(control))?;
+        let patch_m = libm::cbrt(grain.volume_m3);
+        // What the net does not show, it does not resolve either.
+        let mean = surface
+            .curvature(u, v)
+            .map_or(0.0, |curvature| curvature.mean());
+        Some(Resolution {
+            plane_modulus_pa: grain.plane_modulus_pa,
+            patch_m,
+            curvature_1_m: mean.clamp(-1.0 / patch_m, 1.0 / patch_m),
+        })
+    };
+    places.enumerate().map_while(at).collect()
 }
 
 /// The body with the method of its integrator, and why that one.
@@ -228,7 +250,17 @@ pub(super) fn solid<'s>(
         coordinates,
         coordinate_of_control,
     } = moved;
-    let fixed = fixed::fixed(body, surface, &coordinates, &coordinate_of_control);
+    let moves = fixed::Moved {
+        nodes: &grid.nodes,
+        map: &map,
+    };
+    let fixed = fixed::fixed(
+        body,
+        surface,
+        &coordinates,
+        &coordinate_of_control,
+        Some(&moves),
+    );
     let of_cell = materials(body, &grid);
     Some(Box::new(move |settings| {
         let solid = Solid {

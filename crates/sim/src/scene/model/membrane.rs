@@ -37,7 +37,7 @@ fn parts<'s>(body: &'s Inputs<'_>, surface: &Surface, thickness_m: f64) -> Optio
     for (point, &coordinate) in points.iter().zip(&of_control) {
         coordinates[coordinate as usize] = *point;
     }
-    let fixed = fixed::fixed(body, surface, &coordinates, &of_control);
+    let fixed = fixed::fixed(body, surface, &coordinates, &of_control, None);
     let wraps = surface
         .topology()
         .closing
