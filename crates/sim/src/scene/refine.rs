@@ -19,7 +19,7 @@ const LINES: usize = 24;
 const CHORDS: usize = 16;
 
 /// Spans at a focus are this much finer than far away: the first that a body can be built with.
-/// Chosen between 1 (on the teardrop a 10 mm ball pressed 1 mm meets 57 % too much force) and 6
+/// Chosen between 1 (on the teardrop's own net a 10 mm ball pressed 1 mm meets 57 % too much force) and 6
 /// (the spans far away grow so long that the body as a whole stiffens).
 pub(super) const GRADINGS: [f64; 4] = [3.0, 2.0, 1.5, 1.0];
 /// Radius of the fine zone around a focus, relative to the body's size.

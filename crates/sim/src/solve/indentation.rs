@@ -43,12 +43,17 @@ impl Resolution {
         let mut sum = Self::default();
         for (&control, weight) in controls.iter().zip(weights) {
             if let Some(one) = of.get(control as usize) {
-                sum.plane_modulus_pa += weight * one.plane_modulus_pa;
-                sum.patch_m += weight * one.patch_m;
-                sum.curvature_1_m += weight * one.curvature_1_m;
+                sum.add(*weight, one);
             }
         }
         sum
+    }
+
+    /// Adds a multiple of another.
+    pub fn add(&mut self, share: f64, other: &Self) {
+        self.plane_modulus_pa += share * other.plane_modulus_pa;
+        self.patch_m += share * other.patch_m;
+        self.curvature_1_m += share * other.curvature_1_m;
     }
 }
 

@@ -201,16 +201,6 @@ impl RowSet {
         &mut self.rows[self.pair_start..]
     }
 
-    /// Control indices and weights of a place.
-    pub fn weights_at(&mut self, view: &DeformingView<'_>, u: f64, v: f64) -> (&[u32], &[f64]) {
-        let (wu, wv) = (
-            view.surface.knots_u().window(u),
-            view.surface.knots_v().window(v),
-        );
-        self.scratch.set(view.surface, &wu, &wv);
-        (&self.scratch.controls, &self.scratch.weights)
-    }
-
     /// Takes the rows of the present pair away.
     pub fn drop_pair(&mut self) {
         self.rows.truncate(self.pair_start);

@@ -390,6 +390,7 @@ fn add_indentations(scratch: &mut Scratch) {
     } = scratch;
     for (i, a) in rows.rows.iter().enumerate() {
         let dent = &indentations[a.id.pair as usize];
+        // With grips, forces are whole, and their dents are modes.
         if dent.slope_m_n == 0.0 {
             continue;
         }

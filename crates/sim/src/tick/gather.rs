@@ -14,12 +14,12 @@ use super::feet::{MAX_FEET, Way, margin_m, meet, moving, push_foot, push_sample,
 use super::follow::{Follow, Treader, push_feet};
 use super::manifold::{Stance, push_manifold};
 use super::{BodyScratch, PairState, SceneState, Scratch};
-use super::{grip, rest, stick};
+use super::{dent, grip, rest, stick};
 use crate::haptics::LinkPhase;
 use crate::scene::{Body, BodyModel, Pair, Scene, Tool};
-use crate::solve::indentation::{Indentation, Resolution};
+use crate::solve::indentation::Indentation;
 use crate::solve::proxy::BallContact;
-use crate::solve::row_key::{RowId, RowKey};
+use crate::solve::row_key::RowKey;
 use crate::solve::rows::{Approach, DeformingView, Holder, RowSet};
 use palpate_geometry::basis::BasisWindow;
 use palpate_geometry::contact::dispatch::{Method, Narrow};
@@ -82,6 +82,7 @@ pub(super) fn gather(scene: &Scene, state: &mut SceneState, scratch: &mut Scratc
             scratch.rows.end_pair();
             continue;
         }
+        let mut dents = None;
         match pair.holder {
             Holder::Tool(t) => {
                 let t = t as usize;
@@ -90,7 +91,8 @@ pub(super) fn gather(scene: &Scene, state: &mut SceneState, scratch: &mut Scratc
                 }
                 match scene.tools[t].shape.ball_radius_m() {
                     Some(radius_m) if pair.method == Method::Exact => {
-                        ball(scene, state, scratch, p, t, radius_m)
+                        ball(scene, state, scratch, p, t, radius_m);
+                        dents = Some(radius_m);
                     }
                     _ => shape(scene, state, scratch, p, t),
                 }
@@ -99,6 +101,9 @@ pub(super) fn gather(scene: &Scene, state: &mut SceneState, scratch: &mut Scratc
             Holder::Body(other) => bodies(scene, state, scratch, p, other as usize),
         }
         scratch.rows.end_pair();
+        if let Some(radius_m) = dents {
+            dent::push(scene, state, scratch, p, radius_m);
+        }
     }
 }
 
@@ -124,7 +129,6 @@ fn ball(
         pairs,
         rows,
         hits,
-        indentations,
         ..
     } = scratch;
     let pair = &scene.pairs[p];
@@ -219,19 +223,6 @@ fn ball(
     };
     let warm = &state.warm[..state.warm_len];
     push_feet(rows, p, pair, feet, warm, parts, &view, &tool, way, look);
-    if let BodyModel::Deforming(model) = &body.model {
-        let pushes = |id: &RowId| id.pair as usize == p && !id.key.is_anchor();
-        let force_n = (warm.iter().filter(|row| pushes(&row.id)))
-            .map(|row| row.force_n)
-            .sum();
-        let (controls, weights) = rows.weights_at(&view, held.foot.u, held.foot.v);
-        let place = Resolution::blend(&model.resolution, controls, weights);
-        let dent = Indentation::of(radius_m, &place, force_n, &held.normal);
-        for row in rows.of_pair_mut().iter_mut().filter(|row| pushes(&row.id)) {
-            row.gap_m += dent.offset_m * row.normal.dot(&dent.normal);
-        }
-        indentations[p] = dent;
-    }
 }
 
 /// Samples that the body's own motion brings to a tool within the tick: one met a tick late

@@ -11,6 +11,7 @@ mod balance;
 mod between;
 mod by_tool;
 mod carry_over;
+mod dent;
 mod emit;
 mod face;
 mod feet;
