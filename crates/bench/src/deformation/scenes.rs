@@ -12,7 +12,7 @@ pub(super) const SCALES: [(f64, &str); 4] = [
 pub(super) const TEARDROP_FIXED_M: f64 = 0.015;
 
 /// Refinement where the ball presses the teardrop.
-const WHERE_IT_PRESSES: &str = "{ focus = [[0.024, 0.003, 0.045]] }";
+pub(super) const WHERE_IT_PRESSES: &str = "{ focus = [[0.024, 0.003, 0.045]] }";
 
 /// Pressing the box.
 pub(super) struct BoxCase {
@@ -230,10 +230,18 @@ impl TeardropCase {
 
     /// A cube of nodes, the outermost on the surface.
     fn riding(name: &str, refine: &str) -> Self {
-        let lattice = format!("builder = \"transfinite\", nodes = [12, 12, 12], refine = {refine}");
         Self {
             method: "lattice riding".to_owned(),
-            lattice,
+            ..Self::cube(name, 12, refine)
+        }
+    }
+
+    /// A cube of so many nodes along each axis, the outermost on the surface.
+    pub(super) fn cube(name: &str, side: usize, refine: &str) -> Self {
+        Self {
+            lattice: format!(
+                "builder = \"transfinite\", nodes = [{side}, {side}, {side}], refine = {refine}"
+            ),
             ..Self::new(name, "lattice", refine, 4)
         }
     }

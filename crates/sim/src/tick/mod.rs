@@ -20,6 +20,7 @@ mod frame;
 mod gather;
 mod grip;
 mod iterate;
+mod late;
 mod load;
 mod manifold;
 mod meeting;
@@ -36,6 +37,7 @@ mod step;
 mod stick;
 
 pub use frame::FrameState;
+pub use late::late_step;
 pub use rigid::{RigidState, Sent};
 pub use scratch::{BodyScratch, Scratch};
 pub use state::{BodyState, PairState, Pipeline, RunState, SceneState, ToolState, WarmRow};
