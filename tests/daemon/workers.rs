@@ -1,6 +1,6 @@
 //! Steps on worker threads have the bits of steps on the tick thread.
 
-use crate::common::{World, press};
+use crate::common::{World, pose, press};
 use palpate::drive::driver::{Driver, DriverSettings};
 use palpate::drive::pacer::Wake;
 use palpate::drive::ports::{SenderId, ports};
@@ -8,7 +8,6 @@ use palpate::drive::workers::Workers;
 use palpate::recording::{RecorderSettings, Session, SteppedRecorder, info, replay};
 use palpate_geometry::math::{Point3, SavedState, Vector3, state_hash};
 use palpate_sim::body::{DeformableState, Field};
-use palpate_sim::haptics::DevicePose;
 use palpate_sim::scene::spec::Clock;
 use palpate_sim::scene::{file, inline_files};
 use palpate_sim::tick::{Pipeline, restore};
@@ -150,11 +149,10 @@ fn a_loop_in_real_time_waits_for_no_late_worker_and_its_recording_replays() {
     let mut forces = Vec::new();
     for k in 0..1_500_u32 {
         let z = 0.025 - 0.009 * (f64::from(k) / 400.0).min(1.0);
-        let pose = DevicePose {
-            seq: u64::from(k) + 1,
-            position: Point3::new(0.001 * libm::sin(f64::from(k) * 0.01), 0.0, z),
-            ..DevicePose::default()
-        };
+        let pose = pose(
+            u64::from(k) + 1,
+            [0.001 * libm::sin(f64::from(k) * 0.01), 0.0, z],
+        );
         bus.poses[0].offer(pose, SenderId::default());
         driver.turn(Wake {
             late_ns: 0,
@@ -167,7 +165,10 @@ fn a_loop_in_real_time_waits_for_no_late_worker_and_its_recording_replays() {
     }
     let put_off: Vec<_> = bus.counters.late_steps.take().collect();
     println!("{put_off:?} ticks put off, {} N", forces[1_499]);
-    assert!(matches!(put_off[..], [(0, ticks)] if ticks > 600), "{put_off:?}");
+    assert!(
+        matches!(put_off[..], [(0, ticks)] if ticks > 600),
+        "{put_off:?}"
+    );
     assert!(bus.counters.late_steps.take().next().is_none());
     let most = forces.iter().copied().fold(0.0, f64::max);
     for (k, pair) in forces.windows(2).enumerate() {

@@ -49,7 +49,9 @@ fn pressed(
     let touch = first_touch(world.scene.rest_surface(0));
     let mut press = |k: usize| {
         let depth = 3e-3 * (k as f64 / PRESS as f64).min(1.0);
-        world.at([touch - depth, 0.003, 0.045]).tools[0].force_n.norm()
+        world.at([touch - depth, 0.003, 0.045]).tools[0]
+            .force_n
+            .norm()
     };
     (0..PRESS).for_each(|k| drop(press(k)));
     let held = match effort {

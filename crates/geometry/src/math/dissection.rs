@@ -121,13 +121,15 @@ fn across(
     first.iter().for_each(|&k| side[k as usize] = FIRST);
     second.iter().for_each(|&k| side[k as usize] = SECOND);
     let mut band = middle.to_vec();
-    // Edges that leap over the band: their first ends go into it.
-    let leaps = |&&node: &&u32| {
-        let mut ends = adjacent[node as usize].iter();
-        ends.any(|&other| side[other as usize] == SECOND)
+    // Edges that leap over the band: both ends go into it.
+    let leaping = |from: &[u32], to: Side| -> Vec<u32> {
+        let reaches = |&&node: &&u32| {
+            let mut ends = adjacent[node as usize].iter();
+            ends.any(|&other| side[other as usize] == to)
+        };
+        from.iter().filter(reaches).copied().collect()
     };
-    let leaping: Vec<u32> = first.iter().filter(leaps).copied().collect();
-    band.extend(&leaping);
+    band.extend([leaping(first, SECOND), leaping(second, FIRST)].concat());
     for (k, &node) in band.iter().enumerate() {
         side[node as usize] = k as u32;
     }

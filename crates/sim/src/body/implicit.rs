@@ -219,6 +219,15 @@ impl ImplicitStep {
         }
     }
 
+    /// Bits of most of those numbers.
+    pub(super) fn factor_bits(&self) -> u32 {
+        match &self.matrix {
+            Matrix::Bounding(ScalarFactor::Double(_)) => 64,
+            Matrix::Bounding(ScalarFactor::Single(_)) => 32,
+            Matrix::Tangent(tangent) => tangent.factors[0].bits(),
+        }
+    }
+
     pub(super) fn scratch(&self, matter: &Matter) -> ImplicitScratch {
         let n = matter.unknown_count();
         match &self.matrix {

@@ -152,6 +152,8 @@ pub struct BufferPlan {
 /// µs: medians on a 3 GHz x86-64 core.
 const SPRING_US: f64 = 0.003;
 const NON_ZERO_US: f64 = 0.0022;
+/// The same of a large factor in single precision.
+const SINGLE_US: f64 = 0.0014;
 /// One number of a factor in blocks, read twice by a solve, µs.
 const BLOCK_NUMBER_US: f64 = 0.0004;
 /// One cell of the continuum's pass, µs.
@@ -198,6 +200,7 @@ pub(super) fn step_us(body: &Deformable) -> f64 {
         ("implicit", iterations) => {
             let number_us = match body.step_matrix() {
                 Some("tangent") => BLOCK_NUMBER_US,
+                _ if body.factor_bits() == 32 => SINGLE_US,
                 _ => NON_ZERO_US,
             };
             (pass_us(body) + body.factor_non_zeros() as f64 * number_us) * iterations as f64

@@ -111,7 +111,9 @@ const TICKS: u32 = 1_400;
 fn live(late: fn(usize) -> usize) -> (Vec<(u32, Command)>, Vec<u64>, Vec<f64>) {
     let mut world = World::new(SLAB);
     let scene = Arc::new(World::new(SLAB).scene);
-    world.scratch.set_pipeline(Box::new(Slow::new(&scene, late)));
+    world
+        .scratch
+        .set_pipeline(Box::new(Slow::new(&scene, late)));
     let (mut commands, mut hashes, mut forces) = (Vec::new(), Vec::new(), Vec::new());
     for k in 0..TICKS {
         while let Some(body) = late_step(&world.scene, &world.state, &mut world.scratch) {
