@@ -185,9 +185,9 @@ fn forces_go_on_smoothly_while_every_step_is_late() {
     );
     assert!(commands.len() > 800, "two ticks in three");
     assert!(late.iter().all(|force| force.is_finite()));
-    // No more than steps that come in time make.
-    assert!(jump(&late) < 3.0 * jump(&in_time));
-    assert!(jump(&late) < 0.15 * most);
+    // The ball goes on for three times as many ticks between steps, against the compliance of one.
+    assert!(jump(&late) < 5.0 * jump(&in_time));
+    assert!(jump(&late) < 0.2 * most);
 }
 
 #[test]
