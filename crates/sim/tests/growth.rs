@@ -66,6 +66,10 @@ device = {{ force_max_n = 1e9, ramp_s = 0.0 }}
         let predict = median(Box::new(|| {
             body.renew(&moving, &mut scratch);
         }));
+        let follow = median(Box::new(|| { body.follow(&moving, &mut scratch); }));
+        let mut copy = moving.clone();
+        let cloned = median(Box::new(|| { copy.clone_from(&moving); }));
+        println!("   follow {:.0} us clone {:.0} us bits {}", follow.0, cloned.0, body.factor_bits());
         let mut ticks: Vec<f64> = Vec::new();
         let mut force = 0.0;
         for k in 0..400 {
@@ -87,5 +91,22 @@ device = {{ force_max_n = 1e9, ramp_s = 0.0 }}
             predict.1,
             ticks[ticks.len() / 2]
         );
+    }
+}
+
+#[test]
+#[ignore]
+fn scenes() {
+    let all: Vec<_> = std::fs::read_dir("../../scenes").unwrap().map(|e| e.unwrap().path()).chain([std::path::PathBuf::from("../../recordings/golden/small-lattice.toml")]).collect();
+    for entry in all {
+        let path = if entry.is_dir() { entry.join("scene.toml") } else { entry };
+        let Ok(text) = std::fs::read_to_string(&path) else { continue };
+        let Ok(loaded) = palpate_sim::scene::file::parse(&text, "scene.toml", path.parent().unwrap()) else { continue };
+        let Ok(scene) = palpate_sim::scene::Scene::build(&loaded.spec, path.parent().unwrap()) else { continue };
+        for b in 0..scene.body_count() {
+            if let Some(body) = scene.deformable(b) {
+                println!("{} {} unknowns {} nnz {} {:?} every {}", path.display(), scene.body_id(b), body.unknown_count(), body.factor_non_zeros(), body.step_matrix(), scene.steps_every(b));
+            }
+        }
     }
 }
