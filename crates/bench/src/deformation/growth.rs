@@ -53,7 +53,9 @@ fn pressed(
             .force_n
             .norm()
     };
-    (0..PRESS).for_each(|k| drop(press(k)));
+    for k in 0..PRESS {
+        press(k);
+    }
     let held = match effort {
         Effort::Quick => 100,
         Effort::Full => 500,
