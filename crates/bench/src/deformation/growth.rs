@@ -2,7 +2,7 @@
 //! matrix, and the exponent p of t ~ nᵖ that fits them best.
 
 use super::indent::{failed, first_touch};
-use super::scenes::{TeardropCase, WHERE_IT_PRESSES};
+use super::scenes::TeardropCase;
 use super::world::World;
 use super::{Effort, Row, TEARDROP_REFERENCE_N};
 
@@ -40,7 +40,8 @@ fn pressed(
     effort: Effort,
     points: &mut Vec<[f64; 2]>,
 ) -> Row {
-    let scene = TeardropCase::cube(case, side, WHERE_IT_PRESSES).text(1_000);
+    // One coarse net for all, which even the smallest cube sees.
+    let scene = TeardropCase::cube(case, side, "\"none\"").text(1_000);
     let chosen = format!("integrator = {{ matrix = \"{matrix}\", ");
     let mut world = match World::new(&scene.replace("integrator = { ", &chosen)) {
         Ok(world) => world,

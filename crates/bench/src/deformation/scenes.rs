@@ -12,7 +12,7 @@ pub(super) const SCALES: [(f64, &str); 4] = [
 pub(super) const TEARDROP_FIXED_M: f64 = 0.015;
 
 /// Refinement where the ball presses the teardrop.
-pub(super) const WHERE_IT_PRESSES: &str = "{ focus = [[0.024, 0.003, 0.045]] }";
+const WHERE_IT_PRESSES: &str = "{ focus = [[0.024, 0.003, 0.045]] }";
 
 /// Pressing the box.
 pub(super) struct BoxCase {
