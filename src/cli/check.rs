@@ -89,6 +89,12 @@ pub fn judge(loaded: &file::Loaded, json: bool) -> anyhow::Result<Outcome> {
              rate_hz; `palpate plan` shows what costs, `palpate doctor SCENE` measures"
         );
     }
+    for body in &plan.bodies {
+        let slow = body.deformable.as_ref().and_then(|plan| plan.too_slow());
+        if let Some(slow) = slow {
+            eprintln!("body {}: {slow}", body.id);
+        }
+    }
     for tool in plan.tools {
         if let (Some(stiffness), Some(passive)) = (tool.stiffness_n_m, tool.passive_n_m)
             && stiffness > passive

@@ -12,8 +12,8 @@ use palpate_sim::scene::Scene;
 use palpate_sim::scene::spec::Clock;
 use palpate_sim::tick::record::{Command, TickRecord};
 use palpate_sim::tick::stage::{Stage, StageTimes};
-use palpate_sim::tick::{SceneState, Scratch};
-use palpate_sim::tick::{apply, deform, hash, render};
+use palpate_sim::tick::{Pipeline, SceneState, Scratch};
+use palpate_sim::tick::{apply, deform, hash, late_step, render};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::thread::JoinHandle;
@@ -161,6 +161,11 @@ impl Driver {
         }
     }
 
+    /// Lets bodies that step separately step elsewhere.
+    pub fn step_elsewhere(&mut self, pipeline: Box<dyn Pipeline>) {
+        self.scratch.set_pipeline(pipeline);
+    }
+
     /// One tick of a loop in real time, woken by whoever has the clock: commands and a next scene
     /// first. False: the loop is over.
     pub fn turn(&mut self, wake: Wake) -> bool {
@@ -247,6 +252,7 @@ impl Driver {
             | Command::Resume
             | Command::Step(_)
             | Command::Quality(_)
+            | Command::PutOff { .. }
             | Command::Send { .. }
             | Command::Device { .. } => {}
         }
@@ -283,7 +289,19 @@ impl Driver {
         let _ = self.ports.retired.push(swap);
     }
 
+    /// Puts off the steps that the next tick would wait for: the stall of a late worker must not be that
+    /// of the hand.
+    fn put_off_late_steps(&mut self) {
+        while let Some(body) = late_step(&self.scene, &self.state, &mut self.scratch) {
+            self.ports.counters.late_steps.count(body);
+            self.apply(Command::PutOff { body });
+        }
+    }
+
     fn tick(&mut self, wake: Wake) {
+        if self.settings.clock == Clock::Realtime {
+            self.put_off_late_steps();
+        }
         let mut laps = Laps::start(self.clock);
         let Self {
             scene,

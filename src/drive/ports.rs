@@ -84,6 +84,28 @@ pub struct Overruns {
     pub worst_ns: AtomicU64,
 }
 
+/// Ticks by which steps of bodies were put off because they were not done: by body, those of the first
+/// [`LateSteps::BODIES`]; the others count with the last.
+#[derive(Debug, Default)]
+pub struct LateSteps([AtomicU64; LateSteps::BODIES]);
+
+impl LateSteps {
+    /// Bodies that are told apart.
+    pub const BODIES: usize = 32;
+
+    /// A step of a body is put off by a tick.
+    pub fn count(&self, body: u32) {
+        let place = (body as usize).min(Self::BODIES - 1);
+        self.0[place].fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// Ticks since this was asked last, with the bodies, those without any left out.
+    pub fn take(&self) -> impl Iterator<Item = (usize, u64)> {
+        let counts = self.0.iter().map(|count| count.swap(0, Ordering::Relaxed));
+        counts.enumerate().filter(|(_, count)| *count > 0)
+    }
+}
+
 /// Counters of the loop that anyone may read.
 #[derive(Debug, Default)]
 pub struct LoopCounters {
@@ -91,6 +113,8 @@ pub struct LoopCounters {
     pub bus_drops: AtomicU64,
     /// Overruns since the bus last looked, by cause.
     pub overruns: [Overruns; CAUSES.len()],
+    /// Steps that were put off since the bus last looked.
+    pub late_steps: LateSteps,
     /// Why quality last changed: index of a cause, or [`super::overload::QUIET`].
     pub quality_cause: AtomicUsize,
     /// Asks the loop to fade its forces and end.

@@ -3,6 +3,7 @@
 //! ```text
 //! tick t       start ──▶ job (state, forces) ──▶ worker: advance, predict
 //! tick t + k   finish ◀── the same job ◀──────────┘   (waits if it is late: the bits do not depend on when it comes)
+//! or before    is_ready? ── no ──▶ the loop in real time puts the step off by a tick, and records that
 //! ```
 //! Jobs go round between two rings, so nothing is allocated and nothing locked.
 
@@ -44,6 +45,8 @@ struct Worker {
 struct Lane {
     /// Here between steps.
     idle: Option<Box<BodyStep>>,
+    /// Nobody wants the step that is under way.
+    forgotten: bool,
     out: rtrb::Producer<Box<BodyStep>>,
     back: rtrb::Consumer<Box<BodyStep>>,
     stop: Arc<AtomicBool>,
@@ -120,6 +123,7 @@ impl Lane {
         });
         Ok(Self {
             idle,
+            forgotten: false,
             out,
             back,
             stop,
@@ -133,6 +137,13 @@ impl Lane {
             self.idle = self.back.pop().ok();
         }
         self.idle.is_some()
+    }
+
+    /// [`Lane::wait`] would not wait.
+    fn is_ready(&self) -> bool {
+        self.idle.is_some()
+            || !self.back.is_empty()
+            || self.thread.as_ref().is_none_or(JoinHandle::is_finished)
     }
 
     /// Waits for the job that is out, if one is.
@@ -176,6 +187,7 @@ impl Pipeline for Workers {
         };
         let lane = &mut lanes[*current];
         lane.wait();
+        lane.forgotten = false;
         let Some(mut job) = lane.idle.take() else {
             return;
         };
@@ -192,6 +204,11 @@ impl Pipeline for Workers {
         }
     }
 
+    fn is_ready(&mut self, body: usize) -> bool {
+        let worker = self.workers[body].as_mut();
+        worker.is_none_or(|worker| worker.lane().is_ready())
+    }
+
     fn finish(
         &mut self,
         body: usize,
@@ -199,7 +216,8 @@ impl Pipeline for Workers {
         predicted: &mut [Point3],
     ) -> bool {
         let worker = self.workers[body].as_mut();
-        let Some(job) = worker.and_then(|worker| worker.lane().wait()) else {
+        let wanted = worker.map(Worker::lane).filter(|lane| !lane.forgotten);
+        let Some(job) = wanted.and_then(Lane::wait) else {
             return false;
         };
         state.clone_from(&job.state);
@@ -210,9 +228,12 @@ impl Pipeline for Workers {
     fn cancel(&mut self) {
         for worker in self.workers.iter_mut().flatten() {
             if !worker.lane().is_idle() {
+                worker.lane().forgotten = true;
                 worker.current = 1 - worker.current;
-                // Here a step is only if the one before was forgotten a moment ago as well.
-                worker.lane().wait();
+                // Here a step is only if the one before was forgotten a moment ago as well: it is in
+                // nobody's way until the next begins.
+                let busy = !worker.lane().is_idle();
+                worker.lane().forgotten = busy;
             }
         }
     }

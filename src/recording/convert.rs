@@ -316,6 +316,10 @@ pub fn command_to_proto(after_tick: u64, command: Command) -> pb::Command {
         Command::Step(ticks) => ("step", ticks),
         Command::Stop => ("stop", 0),
         Command::Quality(level) => ("quality", u32::from(level)),
+        Command::PutOff { body } => {
+            device = body;
+            ("put_off", 0)
+        }
         Command::Send {
             body,
             position: p,
@@ -351,6 +355,7 @@ pub fn command_from_proto(command: &pb::Command) -> Result<Command, ConvertError
             bounds: bounds(command)?,
         },
         "quality" => Command::Quality(level(command.after_tick, command.ticks)?),
+        "put_off" => Command::PutOff { body: command.tool },
         "move_body" => sent(command)?,
         other => {
             return Err(ConvertError {
@@ -461,6 +466,7 @@ mod tests {
             Command::Step(7),
             Command::Stop,
             Command::Quality(3),
+            Command::PutOff { body: 2 },
             told,
             Command::Send {
                 body: 3,

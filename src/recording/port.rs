@@ -55,7 +55,7 @@ pub(super) fn port(
 ) -> (RecorderPort, TickStream) {
     let (heads, heads_out) = rtrb::RingBuffer::new(RING_TICKS);
     let (rows, rows_out) = rtrb::RingBuffer::new(RING_TICKS * scene.tool_count().max(1));
-    let (commands, commands_out) = rtrb::RingBuffer::new(256);
+    let (commands, commands_out) = rtrb::RingBuffer::new(RING_TICKS);
     let keyframes = Pool::new(KEYFRAME_BUFFERS, || KeyframeBuffer {
         tick: 0,
         hash: 0,

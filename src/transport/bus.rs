@@ -432,7 +432,7 @@ impl BusThread {
     fn publish_status(&mut self) {
         self.last_status = Instant::now();
         self.forces.look_for_listeners();
-        self.tally.end_period(&mut self.events);
+        self.tally.end_period(&self.served.scene, &mut self.events);
         self.read_gauges();
         let recording = self.tally.status().recorder == RecorderState::Recording;
         self.declared.show_recording(&self.session, recording);

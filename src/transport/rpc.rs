@@ -161,6 +161,7 @@ impl Rpc {
             Command::Stop => (Some(LoopState::Stopping), None),
             Command::Step(_)
             | Command::Quality(_)
+            | Command::PutOff { .. }
             | Command::Send { .. }
             | Command::Device { .. } => (None, None),
         };

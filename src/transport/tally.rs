@@ -56,6 +56,8 @@ pub(super) struct LoopTally {
     /// Since the start, by cause.
     overruns: [u64; CAUSES.len()],
     last_overruns: Instant,
+    /// The tick then.
+    overruns_tick: u64,
 }
 
 impl LoopTally {
@@ -92,6 +94,7 @@ impl LoopTally {
             step: Histogram::default(),
             overruns: [0; CAUSES.len()],
             last_overruns: Instant::now(),
+            overruns_tick: 0,
         })
     }
 
@@ -174,7 +177,7 @@ impl LoopTally {
         events.tell(EventKind::QualityChanged { level, reason });
     }
 
-    fn tell_overruns(&mut self, events: &mut Events) {
+    fn tell_overruns(&mut self, scene: &Scene, events: &mut Events) {
         if self.last_overruns.elapsed() < OVERRUNS_EVERY {
             return;
         }
@@ -192,11 +195,38 @@ impl LoopTally {
                 });
             }
         }
+        self.tell_late_steps(scene, events);
+    }
+
+    /// Bodies whose steps were put off, since they take longer than the ticks they have.
+    fn tell_late_steps(&mut self, scene: &Scene, events: &mut Events) {
+        let counters = self.gauges.counters.clone();
+        let ticks = self.status.tick.saturating_sub(self.overruns_tick);
+        self.overruns_tick = self.status.tick;
+        for (body, put_off) in counters.late_steps.take() {
+            // The scene may be another by now.
+            if body >= scene.body_count() || !scene.steps_apart(body) {
+                continue;
+            }
+            let (id, every) = (scene.body_id(body), scene.steps_every(body));
+            let in_time = ticks.saturating_sub(put_off).max(1);
+            let now = f64::from(every) * ticks.max(1) as f64 / in_time as f64;
+            tracing::warn!(
+                body = id,
+                "steps every {now:.0} ticks instead of {every}, and is slower than the clock by as much: give it \
+                 a larger `every` or fewer nodes; `palpate plan SCENE` shows what fits"
+            );
+            events.tell(EventKind::Overrun {
+                stage: format!("body {id} (steps every {now:.0} ticks instead of {every})"),
+                count: put_off,
+                worst_ns: (now * scene.dt_s * 1e9) as u64,
+            });
+        }
     }
 
     /// Ends a status period: quantiles are of what was counted since the last one.
-    pub(super) fn end_period(&mut self, events: &mut Events) {
-        self.tell_overruns(events);
+    pub(super) fn end_period(&mut self, scene: &Scene, events: &mut Events) {
+        self.tell_overruns(scene, events);
         self.status.period = wire::quantiles(&self.period);
         self.status.step = wire::quantiles(&self.step);
         self.period.clear();

@@ -150,6 +150,9 @@ impl Pipeline for Few {
             self.workers.start(body, field, state, predicted, loads);
         }
     }
+    fn is_ready(&mut self, body: usize) -> bool {
+        body >= self.bodies || self.workers.is_ready(body)
+    }
     fn finish(
         &mut self,
         body: usize,

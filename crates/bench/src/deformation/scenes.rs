@@ -230,10 +230,18 @@ impl TeardropCase {
 
     /// A cube of nodes, the outermost on the surface.
     fn riding(name: &str, refine: &str) -> Self {
-        let lattice = format!("builder = \"transfinite\", nodes = [12, 12, 12], refine = {refine}");
         Self {
             method: "lattice riding".to_owned(),
-            lattice,
+            ..Self::cube(name, 12, refine)
+        }
+    }
+
+    /// A cube of so many nodes along each axis, the outermost on the surface.
+    pub(super) fn cube(name: &str, side: usize, refine: &str) -> Self {
+        Self {
+            lattice: format!(
+                "builder = \"transfinite\", nodes = [{side}, {side}, {side}], refine = {refine}"
+            ),
             ..Self::new(name, "lattice", refine, 4)
         }
     }

@@ -1,12 +1,12 @@
 //! Sparse Cholesky factor of a constant symmetric positive definite matrix, solved for three
 //! right-hand sides at once.
 //!
-//! Davis, *Direct Methods for Sparse Linear Systems*, ch. 4: AMD ordering, elimination tree,
+//! Davis, *Direct Methods for Sparse Linear Systems*, ch. 4: ordering, elimination tree,
 //! up-looking factorisation. The numeric part is ours, scalar and in fixed order, because a factor
 //! must have the same bits on every machine; libraries that pick vector widths at run time do not
 //! promise that. Factored at build; a tick only solves.
 
-use super::Vector3;
+use super::{Point3, Vector3, ordering};
 
 /// Why a matrix has no factor.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -54,25 +54,40 @@ pub struct Cholesky {
     n: usize,
     /// `order[k]`: row of the given matrix at place k of the factor.
     order: Vec<u32>,
-    panels: Vec<Panel>,
+    triangle: Triangle<f64>,
+    non_zeros: usize,
+}
+
+/// The same factor rounded to single precision, for use as a preconditioner: a large factor is read
+/// from memory, and a solve takes as long as that. `L̃ L̃ᵀ` is positive definite whatever the rounding.
+#[derive(Clone, Debug)]
+pub struct SingleCholesky {
+    order: Vec<u32>,
+    triangle: Triangle<f32>,
+    non_zeros: usize,
+}
+
+/// L.
+#[derive(Clone, Debug)]
+struct Triangle<V> {
+    panels: Vec<Panel<V>>,
     /// Rows below each panel, panel after panel.
     rows: Vec<u32>,
     /// For each of those rows, its `width` values side by side.
-    values: Vec<f64>,
-    non_zeros: usize,
+    values: Vec<V>,
 }
 
 /// Up to [`PANEL`] neighbouring columns that share their rows below: loads and stores of the
 /// right-hand side are shared too.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Panel {
+struct Panel<V> {
     first: u32,
     width: u32,
     rows_start: u32,
     rows_end: u32,
     values_start: u32,
     /// `inner[i][j]`, j < i: L within the panel; `inner[i][i]`: 1 / L_ii.
-    inner: [[f64; PANEL]; PANEL],
+    inner: [[V; PANEL]; PANEL],
 }
 
 /// Widest panel: four sums of four lanes stay in registers.
@@ -80,6 +95,8 @@ const PANEL: usize = 4;
 
 /// Three right-hand sides of one row and a zero, so that a row fills two or one vector registers.
 pub type Lane = [f64; 4];
+/// The same in single precision.
+pub type SingleLane = [f32; 4];
 
 impl Cholesky {
     /// Orders by approximate minimum degree and factors.
@@ -87,10 +104,18 @@ impl Cholesky {
     /// # Errors
     /// A matrix that is not positive definite.
     pub fn new(matrix: &SymmetricTriplets) -> Result<Self, CholeskyError> {
+        Self::placed(matrix, &[])
+    }
+
+    /// The same, of a large matrix by nested dissection where that makes the factor smaller; `places`
+    /// are those of its rows.
+    ///
+    /// # Errors
+    /// A matrix that is not positive definite.
+    pub fn placed(matrix: &SymmetricTriplets, places: &[Point3]) -> Result<Self, CholeskyError> {
         let n = matrix.n;
-        // Nested dissection by coordinate planes was tried on lattices of 1,700 nodes: no fewer
-        // non-zeros.
-        let order = amd_order(matrix)?;
+        let pairs = matrix.entries.iter().map(|&(i, j, _)| (i, j));
+        let order = ordering::order(&ordering::adjacent(n, pairs), places)?;
         let mut place = vec![0u32; n];
         for (k, &row) in order.iter().enumerate() {
             place[row as usize] = k as u32;
@@ -98,6 +123,32 @@ impl Cholesky {
         let upper = permuted_upper(matrix, &place);
         let parent = elimination_tree(n, &upper);
         factor(n, order, &upper, &parent)
+    }
+
+    /// Rounded to single precision.
+    pub fn single(&self) -> SingleCholesky {
+        let Triangle {
+            panels,
+            rows,
+            values,
+        } = &self.triangle;
+        let panel = |panel: &Panel<f64>| Panel {
+            first: panel.first,
+            width: panel.width,
+            rows_start: panel.rows_start,
+            rows_end: panel.rows_end,
+            values_start: panel.values_start,
+            inner: panel.inner.map(|row| row.map(|value| value as f32)),
+        };
+        SingleCholesky {
+            order: self.order.clone(),
+            triangle: Triangle {
+                panels: panels.iter().map(panel).collect(),
+                rows: rows.clone(),
+                values: values.iter().map(|&value| value as f32).collect(),
+            },
+            non_zeros: self.non_zeros,
+        }
     }
 
     /// Order of the matrix.
@@ -128,15 +179,63 @@ impl Cholesky {
         if super::simd::has_avx2() {
             // SAFETY: the processor has AVX2, asked just above.
             #[allow(unsafe_code)]
-            return unsafe { avx2::solve(self, x) };
+            return unsafe { avx2::solve(&self.triangle, x) };
         }
-        self.solve_in_place::<BaselineKernel>(x);
+        self.triangle.solve_in_place::<BaselineKernel>(x);
     }
 
-    // Values in f32 were tried: half of the memory, but slower, as each must be widened before it
-    // is used.
+    /// Solves A x = b for one right-hand side in place (n).
+    pub fn solve_one(&self, b: &mut [f64]) {
+        let mut x: Vec<f64> = self.order.iter().map(|&row| b[row as usize]).collect();
+        self.triangle.solve_in_place::<One>(&mut x);
+        for (value, &row) in x.iter().zip(&self.order) {
+            b[row as usize] = *value;
+        }
+    }
+}
+
+impl SingleCholesky {
+    /// Non-zeros of L, diagonal included.
+    pub fn non_zeros(&self) -> usize {
+        self.non_zeros
+    }
+
+    /// Solves A x = b for three right-hand sides in place: `b` (n) becomes x. `work` has n lanes. `b` is
+    /// scaled by its largest number first, so that nothing overflows and small ones are not lost.
+    pub fn solve(&self, b: &mut [Vector3], work: &mut [SingleLane]) {
+        debug_assert_eq!(b.len(), self.order.len(), "right-hand side and factor");
+        let sizes = b.iter().flat_map(|v| v.iter()).map(|x| x.abs());
+        let largest = sizes.fold(0.0, |most, x| if x > most { x } else { most });
+        if largest < f64::MIN_POSITIVE {
+            b.fill(Vector3::zeros());
+            return;
+        }
+        let scale = 1.0 / largest;
+        for (lane, &row) in work.iter_mut().zip(&self.order) {
+            let v = b[row as usize] * scale;
+            *lane = [v.x as f32, v.y as f32, v.z as f32, 0.0];
+        }
+        self.solve_lanes(work);
+        for (lane, &row) in work.iter().zip(&self.order) {
+            let [x, y, z, _] = lane.map(|x| f64::from(x) * largest);
+            b[row as usize] = Vector3::new(x, y, z);
+        }
+    }
+
+    fn solve_lanes(&self, x: &mut [SingleLane]) {
+        #[cfg(target_arch = "x86_64")]
+        if super::simd::has_avx2() {
+            // SAFETY: the processor has AVX2, asked just above.
+            #[allow(unsafe_code)]
+            return unsafe { avx2::solve_single(&self.triangle, x) };
+        }
+        self.triangle.solve_in_place::<SingleKernel>(x);
+    }
+}
+
+impl<V: Copy> Triangle<V> {
     #[inline(always)]
-    fn solve_in_place<K: Kernel>(&self, x: &mut [K::Row]) {
+    fn solve_in_place<K: Kernel<Value = V>>(&self, x: &mut [K::Row]) {
         for panel in &self.panels {
             match panel.width {
                 1 => self.forward::<1, K>(panel, x),
@@ -156,7 +255,7 @@ impl Cholesky {
     }
 
     #[inline(always)]
-    fn forward<const W: usize, K: Kernel>(&self, panel: &Panel, x: &mut [K::Row]) {
+    fn forward<const W: usize, K: Kernel<Value = V>>(&self, panel: &Panel<V>, x: &mut [K::Row]) {
         let first = panel.first as usize;
         let mut own = [K::zero(); W];
         for i in 0..W {
@@ -179,7 +278,7 @@ impl Cholesky {
     }
 
     #[inline(always)]
-    fn backward<const W: usize, K: Kernel>(&self, panel: &Panel, x: &mut [K::Row]) {
+    fn backward<const W: usize, K: Kernel<Value = V>>(&self, panel: &Panel<V>, x: &mut [K::Row]) {
         let first = panel.first as usize;
         let mut own = [K::zero(); W];
         for i in 0..W {
@@ -202,40 +301,33 @@ impl Cholesky {
     }
 
     #[inline(always)]
-    fn below<const W: usize>(&self, panel: &Panel) -> (&[u32], &[[f64; W]]) {
+    fn below<const W: usize>(&self, panel: &Panel<V>) -> (&[u32], &[[V; W]]) {
         let rows = &self.rows[panel.rows_start as usize..panel.rows_end as usize];
         let start = panel.values_start as usize;
         let (values, _) = self.values[start..start + rows.len() * W].as_chunks::<W>();
         (rows, values)
-    }
-
-    /// Solves A x = b for one right-hand side in place (n).
-    pub fn solve_one(&self, b: &mut [f64]) {
-        let mut x: Vec<f64> = self.order.iter().map(|&row| b[row as usize]).collect();
-        self.solve_in_place::<Single>(&mut x);
-        for (value, &row) in x.iter().zip(&self.order) {
-            b[row as usize] = *value;
-        }
     }
 }
 
 /// How a row of right-hand sides is held in registers. Each kernel does the same operations in the
 /// same order.
 trait Kernel {
+    type Value: Copy;
     type Row;
     type Register: Copy;
     fn zero() -> Self::Register;
     fn load(row: &Self::Row) -> Self::Register;
     fn store(register: Self::Register, row: &mut Self::Row);
-    fn times(a: Self::Register, factor: f64) -> Self::Register;
+    fn times(a: Self::Register, factor: Self::Value) -> Self::Register;
     /// a − b × factor, rounded twice.
-    fn minus(a: Self::Register, b: Self::Register, factor: f64) -> Self::Register;
+    fn minus(a: Self::Register, b: Self::Register, factor: Self::Value) -> Self::Register;
 }
 
 /// One right-hand side.
-struct Single;
+struct One;
 
-impl Kernel for Single {
+impl Kernel for One {
+    type Value = f64;
     type Row = f64;
     type Register = f64;
     #[inline(always)]
@@ -264,6 +356,7 @@ impl Kernel for Single {
 struct BaselineKernel;
 
 impl Kernel for BaselineKernel {
+    type Value = f64;
     type Row = Lane;
     type Register = Lane;
     #[inline(always)]
@@ -293,15 +386,45 @@ impl Kernel for BaselineKernel {
     }
 }
 
+/// Four right-hand sides in single precision, any processor.
+struct SingleKernel;
+
+impl Kernel for SingleKernel {
+    type Value = f32;
+    type Row = SingleLane;
+    type Register = SingleLane;
+    #[inline(always)]
+    fn zero() -> SingleLane {
+        [0.0; 4]
+    }
+    #[inline(always)]
+    fn load(row: &SingleLane) -> SingleLane {
+        *row
+    }
+    #[inline(always)]
+    fn store(register: SingleLane, row: &mut SingleLane) {
+        *row = register;
+    }
+    #[inline(always)]
+    fn times(a: SingleLane, factor: f32) -> SingleLane {
+        a.map(|value| value * factor)
+    }
+    #[inline(always)]
+    fn minus(a: SingleLane, b: SingleLane, factor: f32) -> SingleLane {
+        std::array::from_fn(|k| a[k] - b[k] * factor)
+    }
+}
+
 /// Four right-hand sides in one 256-bit register; multiply and subtract stay apart, so the bits are
 /// the baseline's. Written out because the compiler, left alone, shuffles the sums of a panel
 /// between registers.
 #[cfg(target_arch = "x86_64")]
 mod avx2 {
     #![allow(unsafe_code)]
-    use super::{Cholesky, Kernel, Lane};
+    use super::{Kernel, Lane, SingleLane, Triangle};
     use std::arch::x86_64::{
-        __m256d, _mm256_mul_pd, _mm256_set1_pd, _mm256_setzero_pd, _mm256_sub_pd,
+        __m128, __m256d, _mm_mul_ps, _mm_set1_ps, _mm_setzero_ps, _mm_sub_ps, _mm256_mul_pd,
+        _mm256_set1_pd, _mm256_setzero_pd, _mm256_sub_pd,
     };
     // Values, not pointers: loads through pointers are checked where debug assertions are on.
     use std::mem::transmute;
@@ -311,6 +434,7 @@ mod avx2 {
     // SAFETY of all blocks: only `solve` uses this kernel, and its caller has made sure of AVX2;
     // registers and arrays have the same bits.
     impl Kernel for Wide {
+        type Value = f64;
         type Row = Lane;
         type Register = __m256d;
         #[inline(always)]
@@ -335,39 +459,48 @@ mod avx2 {
         }
     }
 
+    /// In single precision half of that register is enough.
+    struct WideSingle;
+
+    impl Kernel for WideSingle {
+        type Value = f32;
+        type Row = SingleLane;
+        type Register = __m128;
+        #[inline(always)]
+        fn zero() -> __m128 {
+            unsafe { _mm_setzero_ps() }
+        }
+        #[inline(always)]
+        fn load(row: &SingleLane) -> __m128 {
+            unsafe { transmute::<SingleLane, __m128>(*row) }
+        }
+        #[inline(always)]
+        fn store(register: __m128, row: &mut SingleLane) {
+            *row = unsafe { transmute::<__m128, SingleLane>(register) };
+        }
+        #[inline(always)]
+        fn times(a: __m128, factor: f32) -> __m128 {
+            unsafe { _mm_mul_ps(a, _mm_set1_ps(factor)) }
+        }
+        #[inline(always)]
+        fn minus(a: __m128, b: __m128, factor: f32) -> __m128 {
+            unsafe { _mm_sub_ps(a, _mm_mul_ps(b, _mm_set1_ps(factor))) }
+        }
+    }
+
     #[target_feature(enable = "avx2")]
-    pub(super) fn solve(factor: &Cholesky, x: &mut [Lane]) {
-        factor.solve_in_place::<Wide>(x);
+    pub(super) fn solve(triangle: &Triangle<f64>, x: &mut [Lane]) {
+        triangle.solve_in_place::<Wide>(x);
+    }
+
+    #[target_feature(enable = "avx2")]
+    pub(super) fn solve_single(triangle: &Triangle<f32>, x: &mut [SingleLane]) {
+        triangle.solve_in_place::<WideSingle>(x);
     }
 }
 
 /// Upper triangle of P A Pᵀ by columns: for each column k, (row i <= k, value), rows ascending.
 pub(super) type UpperColumns = Vec<Vec<(u32, f64)>>;
-
-pub(super) fn amd_order(matrix: &SymmetricTriplets) -> Result<Vec<u32>, CholeskyError> {
-    let n = matrix.n;
-    let mut columns: Vec<Vec<i64>> = vec![Vec::new(); n];
-    for &(i, j, _) in &matrix.entries {
-        if i != j {
-            columns[i as usize].push(i64::from(j));
-            columns[j as usize].push(i64::from(i));
-        }
-    }
-    let mut starts = vec![0i64];
-    let mut rows = Vec::new();
-    for column in &mut columns {
-        column.sort_unstable();
-        column.dedup();
-        rows.extend_from_slice(column);
-        starts.push(rows.len() as i64);
-    }
-    if rows.is_empty() {
-        return Ok((0..n as u32).collect());
-    }
-    let (order, _, _) = amd::order(n as i64, &starts, &rows, &amd::Control::default())
-        .map_err(|_| CholeskyError::Ordering)?;
-    Ok(order.into_iter().map(|k| k as u32).collect())
-}
 
 fn permuted_upper(matrix: &SymmetricTriplets, place: &[u32]) -> UpperColumns {
     let mut upper: UpperColumns = vec![Vec::new(); matrix.n];
@@ -388,7 +521,8 @@ fn permuted_upper(matrix: &SymmetricTriplets, place: &[u32]) -> UpperColumns {
     upper
 }
 
-const NONE: u32 = u32::MAX;
+/// No row.
+pub(super) const NONE: u32 = u32::MAX;
 
 pub(super) fn elimination_tree(n: usize, upper: &UpperColumns) -> Vec<u32> {
     let mut parent = vec![NONE; n];
@@ -514,9 +648,11 @@ fn packed(order: Vec<u32>, columns: &[Vec<(u32, f64)>], diagonal: &[f64]) -> Cho
     Cholesky {
         n,
         order,
-        panels,
-        rows,
-        values,
+        triangle: Triangle {
+            panels,
+            rows,
+            values,
+        },
         non_zeros,
     }
 }
@@ -610,11 +746,11 @@ mod tests {
             .map(|i| [i as f64, 1.0 / (i + 1) as f64, -3.3, 0.0])
             .collect();
         let mut plain = wide.clone();
-        factor.solve_in_place::<BaselineKernel>(&mut plain);
+        factor.triangle.solve_in_place::<BaselineKernel>(&mut plain);
         // SAFETY: asked just above.
         #[allow(unsafe_code)]
         unsafe {
-            avx2::solve(&factor, &mut wide);
+            avx2::solve(&factor.triangle, &mut wide);
         }
         let bits = |lanes: &[Lane]| {
             lanes
@@ -624,6 +760,35 @@ mod tests {
                 .collect::<Vec<_>>()
         };
         assert_eq!(bits(&wide), bits(&plain));
+        let single = factor.single();
+        let narrow = |lane: &Lane| lane.map(|x| x as f32);
+        let mut wide: Vec<SingleLane> = plain.iter().map(narrow).collect();
+        let mut plain = wide.clone();
+        single.triangle.solve_in_place::<SingleKernel>(&mut plain);
+        single.solve_lanes(&mut wide);
+        assert_eq!(wide, plain);
+    }
+
+    #[test]
+    fn a_factor_in_single_precision_solves_to_its_rounding_at_any_scale() {
+        let (sparse, _) = lattice(7);
+        let factor = Cholesky::new(&sparse).unwrap();
+        let single = factor.single();
+        for scale in [1.0, 1e-300, 1e200] {
+            let b: Vec<Vector3> = (0..sparse.n)
+                .map(|i| Vector3::new(1.0, (i % 5) as f64 - 2.0, 1.0 / (i + 1) as f64) * scale)
+                .collect();
+            let (mut exact, mut rounded) = (b.clone(), b.clone());
+            factor.solve(&mut exact, &mut vec![[0.0; 4]; sparse.n]);
+            single.solve(&mut rounded, &mut vec![[0.0; 4]; sparse.n]);
+            let largest = exact.iter().map(|v| v.amax()).fold(0.0, f64::max);
+            for (a, b) in exact.iter().zip(&rounded) {
+                assert!((a - b).amax() < 1e-4 * largest, "{a} and {b} at {scale}");
+            }
+            rounded.fill(Vector3::zeros());
+            single.solve(&mut rounded, &mut vec![[0.0; 4]; sparse.n]);
+            assert!(rounded.iter().all(|v| *v == Vector3::zeros()));
+        }
     }
 
     #[test]

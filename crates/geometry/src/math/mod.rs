@@ -17,10 +17,12 @@ pub type Matrix3 = na::Matrix3<f64>;
 mod aligned;
 mod block_cholesky;
 mod cholesky;
+mod dissection;
 mod eigen;
 mod eight;
 #[doc(hidden)]
 pub mod lanes;
+mod ordering;
 mod quadrature;
 mod random;
 pub mod simd;
@@ -30,7 +32,7 @@ mod walk;
 
 pub use aligned::Rows;
 pub use block_cholesky::{BlockCholesky, BlockTriplets, BlockWork};
-pub use cholesky::{Cholesky, CholeskyError, Lane, SymmetricTriplets};
+pub use cholesky::{Cholesky, CholeskyError, Lane, SingleCholesky, SingleLane, SymmetricTriplets};
 pub use eigen::symmetric_eigen;
 pub use quadrature::gauss_legendre;
 pub use random::Random;

@@ -45,8 +45,9 @@ impl Deformable {
         settings: StepSettings,
     ) -> Result<Self, DeformableError> {
         let matter = Matter::new(blueprint, damping_s, plastic, settings)?;
-        let stepper = Stepper::new(&matter)?;
+        let mut stepper = Stepper::new(&matter)?;
         let compliance = stepper.compliance(&matter)?;
+        stepper.round(&matter);
         let outline = Outline::new(&matter.rest);
         Ok(Self {
             matter,

@@ -19,16 +19,22 @@ use super::frames::{Frame, Frames, IDENTITY, from_rest, into_rest};
 use super::look_ahead::LookAhead;
 use super::matter::{FIXED, Matter, lanes};
 use super::neighbours::shortest_edges;
+use super::scalar_factor::{ScalarFactor, ScalarWork};
 use super::settings::{DeformableError, StepMatrix};
 use super::soft_modes::SoftModes;
 use super::state::{DeformableScratch, DeformableState};
 use super::tangent;
 use palpate_geometry::math::{
-    BlockCholesky, BlockTriplets, BlockWork, Cholesky, Lane, Rows, SymmetricTriplets, Vector3,
+    BlockCholesky, BlockTriplets, BlockWork, Cholesky, Lane, Point3, Rows, SymmetricTriplets,
+    Vector3,
 };
 
-/// Most numbers of a factor in blocks: what a core reads in about a millisecond.
-const MOST_NUMBERS: usize = 3_000_000;
+/// Most numbers of a factor in blocks for each second of a step: what a core reads in about that time.
+const MOST_NUMBERS: f64 = 3e9;
+/// Fewest numbers that are affordable, however short a step is.
+const FEW_NUMBERS: usize = 3_000_000;
+/// Most numbers of a factor that the scene asks for: half a gigabyte.
+const MOST_ASKED_FOR: usize = 150_000_000;
 /// Most stiffness over inertia for which a factor in single precision is good.
 const MOST_STIFF: f64 = 1e5;
 
@@ -42,7 +48,7 @@ pub(super) struct ImplicitStep {
 
 #[derive(Debug)]
 enum Matrix {
-    Bounding(Cholesky),
+    Bounding(ScalarFactor),
     Tangent(Box<Tangent>),
 }
 
@@ -54,7 +60,7 @@ struct Tangent {
     sheet: bool,
     frames: Frames,
     /// For states whose tangent is beyond 4/3 of both.
-    bounding: Cholesky,
+    bounding: ScalarFactor,
     /// (unknowns), m: corrections below this are rounding; and those that are watched at once.
     watched_m: Vec<[f64; 2]>,
     /// Length of a correction that may be wild, m.
@@ -121,7 +127,7 @@ pub(super) struct ImplicitScratch {
     blocks: Rows,
     /// (unknowns): the same for the scalar matrix, and its buffer.
     rhs: Vec<Vector3>,
-    lanes: Rows,
+    scalar: ScalarWork,
     /// The state's caution after the step.
     caution: Caution,
     /// Σ |correction|² of the last further iteration, m².
@@ -159,19 +165,38 @@ impl ImplicitStep {
         iterations: usize,
         wanted: StepMatrix,
     ) -> Result<Self, DeformableError> {
+        let affordable = (MOST_NUMBERS * matter.settings.dt_s) as usize;
         let tangent = match wanted {
             StepMatrix::Bounding => None,
-            StepMatrix::Auto | StepMatrix::Tangent => tangent_of(matter),
+            StepMatrix::Auto => tangent_of(matter, affordable.max(FEW_NUMBERS)),
+            StepMatrix::Tangent => tangent_of(matter, MOST_ASKED_FOR),
         };
         let matrix = match tangent {
             Some(tangent) => Matrix::Tangent(Box::new(tangent)),
-            None => Matrix::Bounding(Cholesky::new(&scalar_matrix(matter, &matter.law.edges()))?),
+            None => Matrix::Bounding(bounding(matter)?),
         };
         Ok(Self {
             matrix,
             iterations,
             look_ahead: LookAhead::new(matter),
         })
+    }
+
+    /// Keeps the scalar factor of a large body in single precision from here on, where that is good:
+    /// after [`ImplicitStep::response`], whose columns are of the exact one.
+    pub(super) fn round(&mut self, matter: &Matter) {
+        let mut stiffest = vec![0.0; matter.unknown_count()];
+        for (i, j, value) in scalar_matrix(matter, &matter.law.edges()).entries {
+            if i == j {
+                stiffest[i as usize] += value;
+            }
+        }
+        if !is_too_stiff(matter, &stiffest) {
+            match &mut self.matrix {
+                Matrix::Bounding(factor) => factor.round(),
+                Matrix::Tangent(tangent) => tangent.bounding.round(),
+            }
+        }
     }
 
     pub(super) fn iterations(&self) -> usize {
@@ -194,12 +219,21 @@ impl ImplicitStep {
         }
     }
 
+    /// Bits of most of those numbers.
+    pub(super) fn factor_bits(&self) -> u32 {
+        match &self.matrix {
+            Matrix::Bounding(ScalarFactor::Double(_)) => 64,
+            Matrix::Bounding(ScalarFactor::Single(_)) => 32,
+            Matrix::Tangent(tangent) => tangent.factors[0].bits(),
+        }
+    }
+
     pub(super) fn scratch(&self, matter: &Matter) -> ImplicitScratch {
         let n = matter.unknown_count();
         match &self.matrix {
-            Matrix::Bounding(_) => ImplicitScratch {
+            Matrix::Bounding(factor) => ImplicitScratch {
                 rhs: vec![Vector3::zeros(); n],
-                lanes: Rows::zeros(n),
+                scalar: factor.work(n),
                 ..ImplicitScratch::default()
             },
             Matrix::Tangent(tangent) => ImplicitScratch {
@@ -207,7 +241,7 @@ impl ImplicitStep {
                 work: tangent.factors[0].work(),
                 blocks: Rows::zeros(n),
                 rhs: vec![Vector3::zeros(); n],
-                lanes: Rows::zeros(n),
+                scalar: tangent.bounding.work(n),
                 caution: self.caution(matter),
                 last_m2: f64::INFINITY,
                 normals: match tangent.sheet {
@@ -249,7 +283,7 @@ impl ImplicitStep {
         surface: &[u32],
     ) -> Result<Response, DeformableError> {
         let columns = |factor: &Cholesky| {
-            let n = factor.n();
+            let n = matter.unknown_count();
             let mut columns = Vec::with_capacity(surface.len() * n);
             for &coordinate in surface {
                 let start = columns.len();
@@ -261,12 +295,17 @@ impl ImplicitStep {
         };
         let of = |edges: &[(u32, u32, f64)]| {
             let matrix = scalar_matrix(matter, edges);
-            Ok::<_, DeformableError>((columns(&Cholesky::new(&matrix)?), matrix))
+            let factor = Cholesky::placed(&matrix, &places(matter))?;
+            Ok::<_, DeformableError>((columns(&factor), matrix))
+        };
+        let of_bounding = |factor: &ScalarFactor| match factor {
+            ScalarFactor::Double(factor) => Ok(columns(factor)),
+            ScalarFactor::Single(_) => of(&matter.law.edges()).map(|(columns, _)| columns),
         };
         let tangent = match &self.matrix {
             Matrix::Bounding(factor) => {
                 return Ok(Response {
-                    columns: vec![columns(factor)],
+                    columns: vec![of_bounding(factor)?],
                     modes: SoftModes::default(),
                 });
             }
@@ -280,7 +319,7 @@ impl ImplicitStep {
             all.push(columns);
             modes = SoftModes::new(&tangent.factors[0], &matrix);
         }
-        all.push(columns(&tangent.bounding));
+        all.push(of_bounding(&tangent.bounding)?);
         Ok(Response {
             columns: all,
             modes,
@@ -569,12 +608,12 @@ impl Caution {
 
 impl ImplicitScratch {
     /// A⁻¹ r into `rhs`.
-    fn solve_scalar(&mut self, factor: &Cholesky, matter: &Matter, residual: &[Lane]) {
+    fn solve_scalar(&mut self, factor: &ScalarFactor, matter: &Matter, residual: &[Lane]) {
         for (rhs, &c) in self.rhs.iter_mut().zip(&matter.coordinate_of_unknown) {
             let [x, y, z, _] = residual[c as usize];
             *rhs = Vector3::new(x, y, z);
         }
-        factor.solve(&mut self.rhs, &mut self.lanes);
+        factor.solve(&mut self.rhs, &mut self.scalar);
     }
 
     /// R B⁻¹ Rᵀ r into `rhs`.
@@ -629,32 +668,48 @@ impl ImplicitScratch {
     }
 }
 
-/// The tangent of rest with its factor, if it has one that single precision can hold.
-fn tangent_of(matter: &Matter) -> Option<Tangent> {
+/// Where the unknowns are at rest.
+fn places(matter: &Matter) -> Vec<Point3> {
+    let unknowns = matter.coordinate_of_unknown.iter();
+    unknowns.map(|&c| matter.rest[c as usize]).collect()
+}
+
+/// The factor above every tangent.
+fn bounding(matter: &Matter) -> Result<ScalarFactor, DeformableError> {
+    let matrix = scalar_matrix(matter, &matter.law.edges());
+    Ok(ScalarFactor::new(&matrix, &places(matter))?)
+}
+
+/// True where rounding of the stiffest rows to single precision would disturb the motion of all;
+/// `diagonal` is that of the matrix, N/m.
+fn is_too_stiff(matter: &Matter, diagonal: &[f64]) -> bool {
+    let dt = matter.settings.dt_s;
+    let mean_kg = matter.masses.iter().sum::<f64>() / matter.masses.len() as f64;
+    let stiffness = diagonal.iter().copied().fold(0.0, f64::max) * dt * dt / mean_kg;
+    stiffness.is_nan() || stiffness > MOST_STIFF
+}
+
+/// The tangent of rest with its factor, if it has one of at most so many numbers that single precision
+/// can hold.
+fn tangent_of(matter: &Matter, most: usize) -> Option<Tangent> {
     let (matrices, short) = match matter.law.is_solid() {
         true => of_solid(matter),
         false => (of_sheet(matter), Vec::new()),
     };
     let matrix = matrices.first()?;
-    let dt = matter.settings.dt_s;
     let mut stiffest = vec![0.0; matrix.n];
     for (i, j, block) in &matrix.entries {
         if i == j {
             stiffest[*i as usize] += block.trace() / 3.0;
         }
     }
-    // Rounding of the stiffest rows disturbs the motion of all.
-    let mean_kg = matter.masses.iter().sum::<f64>() / matter.masses.len() as f64;
-    let stiffness = stiffest.iter().copied().fold(0.0, f64::max) * dt * dt / mean_kg;
-    if stiffness.is_nan() || stiffness > MOST_STIFF {
+    if is_too_stiff(matter, &stiffest) {
         return None;
     }
-    let mut factors = vec![BlockCholesky::new(matrix).ok()?];
-    if factors[0].non_zeros() > MOST_NUMBERS {
-        return None;
-    }
+    let places = places(matter);
+    let mut factors = vec![BlockCholesky::placed(matrix, &places, most).ok()??];
     for matrix in &matrices[1..] {
-        factors.push(BlockCholesky::new(matrix).ok()?);
+        factors.push(BlockCholesky::placed(matrix, &places, usize::MAX).ok()??);
     }
     let edges = shortest_edges(matter);
     let wild_m = WILD_LENGTH * middle(&edges);
@@ -667,7 +722,7 @@ fn tangent_of(matter: &Matter) -> Option<Tangent> {
         factors,
         sheet: !matter.law.is_solid(),
         frames: Frames::new(matter),
-        bounding: Cholesky::new(&scalar_matrix(matter, &matter.law.edges())).ok()?,
+        bounding: bounding(matter).ok()?,
         watched_m: matter.coordinate_of_unknown.iter().map(watched).collect(),
         wild_m,
         short,

@@ -35,6 +35,7 @@ mod node_map;
 mod plastic;
 mod quality;
 mod rigid_motion;
+mod scalar_factor;
 mod settings;
 mod sheet;
 mod soft_modes;

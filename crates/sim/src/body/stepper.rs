@@ -39,6 +39,13 @@ impl Stepper {
         })
     }
 
+    /// Drops digits that steps do not need: after [`Stepper::compliance`].
+    pub fn round(&mut self, matter: &Matter) {
+        if let Self::Implicit(implicit) = self {
+            implicit.round(matter);
+        }
+    }
+
     /// A step of a method without matrix, with the forces of the scratch, into its `predicted` and
     /// `speed`.
     pub fn run(&self, matter: &Matter, state: &DeformableState, scratch: &mut DeformableScratch) {

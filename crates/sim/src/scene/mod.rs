@@ -312,6 +312,14 @@ impl Scene {
         matches!(&self.bodies[body].model, BodyModel::Deforming(model) if model.every > 1)
     }
 
+    /// A body steps once in so many ticks; 1 for what does not deform.
+    pub fn steps_every(&self, body: usize) -> u32 {
+        match &self.bodies[body].model {
+            BodyModel::Deforming(model) => model.every,
+            BodyModel::Rigid => 1,
+        }
+    }
+
     /// Name of a body's model, as scenes write it.
     pub fn model_name(&self, body: usize) -> &'static str {
         match &self.bodies[body].model {

@@ -65,6 +65,11 @@ pub struct DeformingPlan {
     pub why: String,
     /// The body steps once in so many ticks.
     pub every: u32,
+    /// A step as it is predicted, µs.
+    pub step_us: f64,
+    /// Where a step is predicted to take longer than that: once in how many ticks it could be done.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fitting_every: Option<u32>,
     /// Springs.
     pub springs: usize,
     /// Non-zeros of the factor.
@@ -77,6 +82,21 @@ pub struct DeformingPlan {
     pub least_cell_m3: f64,
     /// Shortest and longest edge, m.
     pub edge_m: [f64; 2],
+}
+
+impl DeformingPlan {
+    /// That a step takes longer than the ticks it has, if it does, and what would help.
+    pub fn too_slow(&self) -> Option<String> {
+        let fitting = self.fitting_every?;
+        let ticks = match self.every {
+            1 => "a tick".to_owned(),
+            every => format!("its {every} ticks"),
+        };
+        Some(format!(
+            "a step is predicted to take {:.1} ms, longer than {ticks}: `every = {fitting}` would fit, or fewer nodes",
+            self.step_us * 1e-3
+        ))
+    }
 }
 
 /// A tool of the plan.
@@ -132,6 +152,8 @@ pub struct BufferPlan {
 /// µs: medians on a 3 GHz x86-64 core.
 const SPRING_US: f64 = 0.003;
 const NON_ZERO_US: f64 = 0.0022;
+/// The same of a large factor in single precision.
+const SINGLE_US: f64 = 0.0014;
 /// One number of a factor in blocks, read twice by a solve, µs.
 const BLOCK_NUMBER_US: f64 = 0.0004;
 /// One cell of the continuum's pass, µs.
@@ -158,6 +180,15 @@ fn query_us(scene: &Scene, pair: &Pair) -> f64 {
     }
 }
 
+/// Of the ticks that a step on its own thread has: what it should take at most.
+const STEP_SHARE: f64 = 0.8;
+
+/// Once in how many ticks of `dt_s` a step of `step_us` can be done; `None` if `every` is enough.
+fn fitting_every(step_us: f64, every: u32, dt_s: f64) -> Option<u32> {
+    let ticks = step_us * 1e-6 / dt_s;
+    (ticks > f64::from(every)).then(|| (ticks / STEP_SHARE).ceil() as u32)
+}
+
 /// One pass over a body's springs and cells, µs.
 fn pass_us(body: &Deformable) -> f64 {
     body.spring_count() as f64 * SPRING_US + body.cell_count() as f64 * CELL_US
@@ -169,6 +200,7 @@ pub(super) fn step_us(body: &Deformable) -> f64 {
         ("implicit", iterations) => {
             let number_us = match body.step_matrix() {
                 Some("tangent") => BLOCK_NUMBER_US,
+                _ if body.factor_bits() == 32 => SINGLE_US,
                 _ => NON_ZERO_US,
             };
             (pass_us(body) + body.factor_non_zeros() as f64 * number_us) * iterations as f64
@@ -227,7 +259,9 @@ impl Scene {
         Plan {
             scene: self.name.clone(),
             dt_s: self.dt_s,
-            bodies: self.bodies.iter().map(body_plan).collect(),
+            bodies: (self.bodies.iter())
+                .map(|body| body_plan(body, self.dt_s))
+                .collect(),
             tools: self
                 .tools
                 .iter()
@@ -267,7 +301,7 @@ impl Scene {
     }
 }
 
-fn body_plan(body: &super::Body) -> BodyPlan {
+fn body_plan(body: &super::Body, dt_s: f64) -> BodyPlan {
     let simulated_net = [body.surface.net().rows(), body.surface.net().columns()];
     let (model, deformable) = match &body.model {
         BodyModel::Rigid => ("rigid", None),
@@ -286,6 +320,8 @@ fn body_plan(body: &super::Body) -> BodyPlan {
                     .map(|_| deformable.motion_error(passes)),
                 why: model.choice.why.clone(),
                 every: model.every,
+                step_us: step_us(deformable),
+                fitting_every: fitting_every(step_us(deformable), model.every, dt_s),
                 springs: deformable.spring_count(),
                 factor_non_zeros: deformable.factor_non_zeros(),
                 samples: model.samples.len(),
@@ -353,6 +389,9 @@ impl fmt::Display for Plan {
                     "    {} {each} a step, a step {when}; {}",
                     l.passes, l.why
                 )?;
+                if let Some(too_slow) = l.too_slow() {
+                    writeln!(f, "    {too_slow}")?;
+                }
                 if let (Some(matrix), Some(error)) = (l.matrix, l.motion_error) {
                     writeln!(
                         f,

@@ -34,7 +34,7 @@ impl Scene {
                     }
                 }
                 new.loads.clone_from(&old.loads);
-                (new.moved_m, new.phase) = (old.moved_m, old.phase);
+                (new.moved_m, new.phase, new.put_off) = (old.moved_m, old.phase, old.put_off);
                 if let (Some(new), Some(old)) = (&mut new.rigid, &old.rigid) {
                     *new = old.moved(&moved);
                 }

@@ -21,6 +21,7 @@ mod frame;
 mod gather;
 mod grip;
 mod iterate;
+mod late;
 mod load;
 mod manifold;
 mod meeting;
@@ -37,6 +38,7 @@ mod step;
 mod stick;
 
 pub use frame::FrameState;
+pub use late::late_step;
 pub use rigid::{RigidState, Sent};
 pub use scratch::{BodyScratch, Scratch};
 pub use state::{BodyState, PairState, Pipeline, RunState, SceneState, ToolState, WarmRow};

@@ -2,7 +2,7 @@
 //!
 //! A body that steps once in k ticks begins a step with the forces of one tick and takes it over k
 //! ticks later, on whatever thread it was done. In between its surface stands still and answers
-//! with its compliance.
+//! with its compliance. A step that is [late](super::late) may be put off, by a tick each time.
 
 use super::scratch::{DeformingScratch, Scratch};
 use super::state::{BodyState, Pipeline, SceneState};
@@ -98,6 +98,10 @@ fn step(
     };
     let scratch = &mut deforming.deformable;
     if model.every > 1 {
+        if std::mem::take(&mut body.put_off) {
+            model.deformable.drop_loads(scratch);
+            return Stepped::Not;
+        }
         if body.phase == 0 {
             model.deformable.take_loads(scratch, &mut body.loads);
             if let Some(pipeline) = pipeline {

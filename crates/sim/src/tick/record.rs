@@ -60,6 +60,12 @@ pub enum Command {
     Stop,
     /// Do less a tick, or again more: a level of [`crate::tick::quality`].
     Quality(u8),
+    /// The next tick neither begins nor takes over a step of a body that steps once in several ticks:
+    /// whoever does the step is late ([`late_step`](super::late_step)).
+    PutOff {
+        /// Index of the body.
+        body: u32,
+    },
     /// A rigid body that can move goes to a place, from rest to rest, and stays there; until a reset
     /// neither its motion nor its tool moves it any more.
     Send {

@@ -69,8 +69,11 @@ pub struct BodyState {
     pub revision: u64,
     /// How far the farthest control point moved in the last tick, m.
     pub moved_m: f64,
-    /// Ticks since the body's step began, for bodies that step once in several ticks.
+    /// Ticks since the body's step began, for bodies that step once in several ticks; those by which it
+    /// was put off do not count.
     pub phase: u32,
+    /// The next tick neither begins nor takes over a step: it is late.
+    pub put_off: bool,
     /// (coordinates), N: contact forces of the tick in which that step began; empty for bodies that
     /// step every tick.
     pub loads: Vec<Vector3>,
@@ -79,7 +82,7 @@ pub struct BodyState {
 }
 
 /// Steps of bodies on other threads: begun with the loads of one tick, taken over some ticks later,
-/// always the same number.
+/// always the same number but for those in which they were put off.
 pub trait Pipeline: Send + std::fmt::Debug {
     /// Begins the step of a body: `predicted` is its free motion, `loads` are its contact forces.
     fn start(
@@ -90,6 +93,8 @@ pub trait Pipeline: Send + std::fmt::Debug {
         predicted: &[Point3],
         loads: &[Vector3],
     );
+    /// True when neither beginning a step nor taking over the one that was begun would wait.
+    fn is_ready(&mut self, body: usize) -> bool;
     /// Waits for that step: the state after it, and the free motion of the next. False if none was
     /// begun.
     fn finish(
@@ -158,6 +163,7 @@ impl Scene {
                 revision: 0,
                 moved_m: 0.0,
                 phase: 0,
+                put_off: false,
                 loads: Vec::new(),
                 rigid: body.mover.as_ref().map(RigidState::start),
             },
@@ -166,6 +172,7 @@ impl Scene {
                 revision: 0,
                 moved_m: 0.0,
                 phase: 0,
+                put_off: false,
                 loads: vec![
                     Vector3::zeros();
                     if model.every > 1 {
@@ -277,13 +284,15 @@ impl Clone for BodyState {
             revision,
             moved_m,
             phase,
+            put_off,
             loads,
             rigid,
         } = self;
         *rigid = from.rigid;
         // `Option` hands its value's own `clone_from` on.
         deformable.clone_from(&from.deformable);
-        (*revision, *moved_m, *phase) = (from.revision, from.moved_m, from.phase);
+        (*revision, *moved_m) = (from.revision, from.moved_m);
+        (*phase, *put_off) = (from.phase, from.put_off);
         loads.clone_from(&from.loads);
     }
 }
@@ -441,6 +450,7 @@ stateful!(BodyState, |this, walk| {
         revision,
         moved_m,
         phase,
+        put_off,
         loads,
         rigid,
     } = this;
@@ -449,7 +459,7 @@ stateful!(BodyState, |this, walk| {
     if let Some(deformable) = deformable {
         walk.part(deformable)?;
         if !loads.is_empty() {
-            walk.coded("phase of a body's step", phase)?;
+            walk.packed("phase of a body's step", [(0, phase), (32, put_off)])?;
             walk.triples(loads)?;
         }
     }

@@ -153,6 +153,11 @@ pub fn apply(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, comma
             }
         }
         Command::Quality(level) => state.quality = level.min(quality::LOWEST),
+        Command::PutOff { body } => {
+            if let Some(state) = state.bodies.get_mut(body as usize) {
+                state.put_off = scene.steps_apart(body as usize);
+            }
+        }
         Command::Send {
             body,
             position,

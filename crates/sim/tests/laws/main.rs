@@ -13,6 +13,7 @@ mod examples;
 mod friction;
 mod grip;
 mod haptics;
+mod late;
 mod light_touch;
 mod many_tools;
 mod membranes;

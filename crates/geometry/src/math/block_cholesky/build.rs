@@ -1,31 +1,36 @@
 //! Ordering, factorisation and packing, in double precision.
 
 use super::{Below, BlockCholesky, BlockTriplets, COLUMNS, DIAGONAL_ROWS, PANEL, Panel};
-use crate::math::cholesky::{CholeskyError, SymmetricTriplets, amd_order, elimination_tree};
-use crate::math::{Lane, Random};
+use crate::math::cholesky::{CholeskyError, elimination_tree};
+use crate::math::{Lane, Point3, Random, ordering};
 
 /// A node joins the panel of the node before it while zeros are at most this share of its column.
 const FILL: f64 = 0.3;
 /// Rounds of the power method that finds what a factor misses most.
 const ROUNDS: usize = 12;
 
-/// Orders and factors; numbers below are in single precision.
-pub(super) fn factor(matrix: &BlockTriplets) -> Result<BlockCholesky, CholeskyError> {
+/// Orders and factors; numbers below are in single precision. `None` where they would be more than
+/// `most`.
+pub(super) fn factor(
+    matrix: &BlockTriplets,
+    places: &[Point3],
+    most: usize,
+) -> Result<Option<BlockCholesky>, CholeskyError> {
     let n = matrix.n;
-    let mut graph = SymmetricTriplets::new(n);
-    for &(i, j, _) in &matrix.entries {
-        graph.add(i as usize, j as usize, 1.0);
-    }
-    let order = amd_order(&graph)?;
+    let pairs = matrix.entries.iter().map(|&(i, j, _)| (i, j));
+    let order = ordering::order(&ordering::adjacent(n, pairs), places)?;
     let mut place = vec![0u32; n];
     for (k, &node) in order.iter().enumerate() {
         place[node as usize] = k as u32;
     }
     let scales = scales(matrix, &place);
     let structure = Structure::new(matrix, &place);
+    if structure.non_zeros() > most {
+        return Ok(None);
+    }
     let mut numeric = Numeric::new(matrix, &place, &scales, &structure);
     numeric.factor(&structure, &order)?;
-    Ok(numeric.packed(structure, order, scales))
+    Ok(Some(numeric.packed(structure, order, scales)))
 }
 
 /// (places): one over the root of the diagonal block's mean; 1 where that is not positive, and the
@@ -311,7 +316,7 @@ impl Numeric {
     fn packed(self, structure: Structure, order: Vec<u32>, scales: Vec<f32>) -> BlockCholesky {
         let (mut panels, mut rows) = (Vec::new(), Vec::new());
         let (mut diagonals, mut values) = (Vec::new(), Vec::new());
-        let (mut most_rows, mut non_zeros) = (8, 0);
+        let (mut most_rows, non_zeros) = (8, structure.non_zeros());
         for (p, blocks) in self.panels.iter().enumerate() {
             let (width, below) = (structure.width[p], &structure.below[p]);
             let columns = 3 * width;
@@ -348,7 +353,6 @@ impl Numeric {
                     }
                 }
             }
-            non_zeros += columns * (columns + 1) / 2 + columns * count;
             most_rows = most_rows.max(count.next_multiple_of(8));
             panels.push(Panel {
                 first: structure.first[p] as u32,
@@ -375,6 +379,17 @@ impl Numeric {
 }
 
 impl Structure {
+    /// Numbers in the factor.
+    fn non_zeros(&self) -> usize {
+        let panels = self.width.iter().zip(&self.below);
+        panels
+            .map(|(width, below)| {
+                let (columns, rows) = (3 * width, 3 * below.len());
+                columns * (columns + 1) / 2 + columns * rows
+            })
+            .sum()
+    }
+
     /// Row of a panel's blocks in which a node is.
     fn row_in(&self, panel: usize, node: u32) -> usize {
         let (first, width) = (self.first[panel], self.width[panel]);

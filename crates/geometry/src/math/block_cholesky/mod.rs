@@ -2,7 +2,7 @@
 //! precision for use as a preconditioner.
 //!
 //! A right-looking supernodal factorisation (Ng & Peyton 1993) in double precision at build: nodes
-//! are ordered by approximate minimum degree, and neighbouring nodes with nearly the same rows below
+//! are ordered by approximate minimum degree or nested dissection, and neighbouring nodes with nearly the same rows below
 //! them form panels of up to four nodes, twelve columns. A solve waits for memory, so what it reads is
 //! rounded: to half precision (11 bits) where a factor so rounded still inverts the matrix within
 //! [`HALF_ERROR`], measured at build, and else to single precision. Rows are scaled to a diagonal near
@@ -15,7 +15,7 @@ mod half;
 
 use super::cholesky::CholeskyError;
 use super::eight::{BaselineEight, Eight};
-use super::{Lane, Matrix3};
+use super::{Lane, Matrix3, Point3};
 use half::Stored;
 
 /// Widest panel, in nodes.
@@ -112,16 +112,32 @@ impl BlockCholesky {
     /// # Errors
     /// A matrix that is not positive definite.
     pub fn new(matrix: &BlockTriplets) -> Result<Self, CholeskyError> {
-        let mut factor = build::factor(matrix)?;
+        let factor = Self::placed(matrix, &[], usize::MAX)?;
+        factor.ok_or(CholeskyError::Ordering)
+    }
+
+    /// The same, of a large matrix by nested dissection where that makes the factor smaller; `places`
+    /// are those of its nodes. `None`, and soon, where the factor would have more numbers than `most`.
+    ///
+    /// # Errors
+    /// A matrix that is not positive definite.
+    pub fn placed(
+        matrix: &BlockTriplets,
+        places: &[Point3],
+        most: usize,
+    ) -> Result<Option<Self>, CholeskyError> {
+        let Some(mut factor) = build::factor(matrix, places, most)? else {
+            return Ok(None);
+        };
         let Below::Single(single) = &factor.below else {
-            return Ok(factor);
+            return Ok(Some(factor));
         };
         let halved = half::halved(single);
         let single = std::mem::replace(&mut factor.below, Below::Half(halved));
         if build::worst_error(matrix, &factor) > HALF_ERROR {
             factor.below = single;
         }
-        Ok(factor)
+        Ok(Some(factor))
     }
 
     /// Bits of the numbers that a solve reads most of: 16 or 32.

@@ -69,7 +69,7 @@ fn flat(lanes: &[Lane]) -> DVector<f64> {
 fn blocks_are_solved_as_a_dense_matrix_is() {
     for (side, mass) in [(1, 1.0), (2, 0.3), (5, 0.3), (6, 3.0)] {
         let (sparse, dense) = lattice(side, mass);
-        let factor = build::factor(&sparse).unwrap();
+        let factor = build::factor(&sparse, &[], usize::MAX).unwrap().unwrap();
         assert_eq!(factor.bits(), 32);
         let oracle = dense.cholesky().unwrap();
         let mut random = Random(11);
@@ -144,7 +144,7 @@ fn wide_registers_and_the_baseline_have_the_same_bits() {
     }
     let (sparse, _) = lattice(6, 0.5);
     for factor in [
-        build::factor(&sparse).unwrap(),
+        build::factor(&sparse, &[], usize::MAX).unwrap().unwrap(),
         BlockCholesky::new(&sparse).unwrap(),
     ] {
         let mut wide = factor.work();

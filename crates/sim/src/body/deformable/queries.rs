@@ -135,6 +135,14 @@ impl Deformable {
         }
     }
 
+    /// Bits of most numbers of the factor; 0 for methods without one.
+    pub fn factor_bits(&self) -> u32 {
+        match &self.stepper {
+            Stepper::Implicit(implicit) => implicit.factor_bits(),
+            Stepper::Explicit(_) | Stepper::Xpbd(_) => 0,
+        }
+    }
+
     /// Iterations of an implicit step; 1 for other methods.
     pub fn iterations(&self) -> usize {
         match &self.stepper {
