@@ -166,7 +166,13 @@ pub(super) fn bodies(
         views,
         steps,
         margin_m: margin,
+        size_m: my_body.size_m,
         same_m: SAME * my_body.size_m.min(their_body.size_m),
+        lies: theirs
+            .gives()
+            .copied()
+            .filter(|_| views.iter().all(Option::is_none)),
+        side: reach.side(),
     };
     let warm = &state.warm[..state.warm_len];
     meeting.push_feet(rows, contacts, warm);
