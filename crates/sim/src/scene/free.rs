@@ -17,7 +17,7 @@ pub(crate) struct Free {
     pub velocity_m_s: Vector3,
     /// At the start, rad/s; in the world.
     pub spin_rad_s: Vector3,
-    /// Slower than this in all its points it is at rest, m/s; 0: never.
+    /// The scene's `sleep_m_s`: how slow it is at rest, m/s; 0: never.
     pub sleep_m_s: f64,
 }
 

@@ -18,9 +18,12 @@ use palpate_geometry::stateful;
 
 /// Ticks after which a body that is slow is at rest.
 const CALM_TICKS: u32 = 100;
+/// Slow is slower than so many times `sleep_m_s`: as for deforming bodies that lie on others, whose contact
+/// points tremble.
+const TREMBLES: f64 = 300.0;
 /// Surfaces that are inside each other part no faster than this, m/s: depth that comes from elsewhere
 /// than from contact is no energy.
-const PARTING_M_S: f64 = 0.05;
+const PARTING_M_S: f64 = 0.01;
 
 /// How a free rigid body moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -98,7 +101,7 @@ impl Flight {
         let velocity_m_s = self.velocity_m_s + (gravity + force_n / mass.mass_kg) * dt_s;
         let momentum = self.momentum + moment_nm * dt_s;
         let rim_m_s = mass.spin(rotation, &momentum).norm() * mass.reach_m;
-        let slow = velocity_m_s.norm() + rim_m_s < free.sleep_m_s;
+        let slow = velocity_m_s.norm() + rim_m_s < TREMBLES * free.sleep_m_s;
         let next = Self {
             velocity_m_s,
             momentum,

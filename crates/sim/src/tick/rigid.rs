@@ -254,6 +254,16 @@ impl RigidState {
     }
 }
 
+/// How a body turns in this tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Turn {
+    /// Each point goes where it will be.
+    Whole(Rotation),
+    /// Each point goes along its velocity, rad: what the turn of a free body lifts a point that rolls off
+    /// is no room for the next one to sink into.
+    Rate(Vector3),
+}
+
 /// How far a body goes in this tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RigidStep {
@@ -262,7 +272,7 @@ pub(super) struct RigidStep {
     /// Of that, m.
     shift: Vector3,
     /// About it.
-    turn: Rotation,
+    turn: Turn,
     /// Of the control point that goes farthest, m.
     pub most_m: f64,
 }
@@ -272,7 +282,7 @@ impl RigidStep {
     pub const NONE: Self = Self {
         from: Point3::new(0.0, 0.0, 0.0),
         shift: Vector3::new(0.0, 0.0, 0.0),
-        turn: Rotation::new_unchecked(nalgebra::Quaternion::new(1.0, 0.0, 0.0, 0.0)),
+        turn: Turn::Rate(Vector3::new(0.0, 0.0, 0.0)),
         most_m: 0.0,
     };
 
@@ -282,7 +292,10 @@ impl RigidStep {
             return Vector3::zeros();
         }
         let arm = point - self.from;
-        self.shift + (self.turn * arm - arm)
+        match self.turn {
+            Turn::Whole(turn) => self.shift + (turn * arm - arm),
+            Turn::Rate(turn) => self.shift + turn.cross(&arm),
+        }
     }
 }
 
@@ -354,8 +367,11 @@ pub(super) fn aim_body(
         from: now.position,
         shift: rigid.next.position - now.position,
         turn: match rigid.next.rotation == now.rotation {
-            true => Rotation::identity(),
-            false => rigid.next.rotation * now.rotation.inverse(),
+            _ if now.flight().is_some() => {
+                Turn::Rate(turn_between(&now.rotation, &rigid.next.rotation))
+            }
+            true => Turn::Whole(Rotation::identity()),
+            false => Turn::Whole(rigid.next.rotation * now.rotation.inverse()),
         },
         most_m: most,
     };

@@ -80,14 +80,13 @@ fn a_thrown_body_flies_as_symplectic_euler_says() {
     let vz = 2.0 - G * steps * DT;
     assert!((now.velocity_m_s - Vector3::new(1.0, 0.0, vz)).norm() < 1e-12);
     // The net is where the motion says.
-    let mut net = world.scene.rest_surface(0).net().points().to_vec();
+    let rest = world.scene.rest_surface(0).net().points();
+    let mut net = rest.to_vec();
     world.state.copy_net(&world.scene, 0, &mut net);
-    let middle: Vector3 = net.iter().map(|p| p.coords).sum::<Vector3>() / net.len() as f64;
-    let rest: Vector3 = (world.scene.rest_surface(0).net().points().iter())
-        .map(|p| p.coords)
-        .sum::<Vector3>()
-        / net.len() as f64;
-    assert!((middle - rest - (now.centre - start.centre)).norm() < 1e-9);
+    for (p, rest) in net.iter().zip(rest) {
+        let (now_m, then_m) = ((p - now.centre).norm(), (rest - start.centre).norm());
+        assert!((now_m - then_m).abs() < 1e-12 && (p - rest).norm() > 1.0);
+    }
 }
 
 // 10 s about the middle axis, a little off: it flips over and over (Ashbaugh, Chicone and Cushman 1991).
@@ -169,16 +168,23 @@ fn a_ball_on_a_slope_rolls_or_slides_as_coulomb_says() {
     }
 }
 
-// A flat stone on a slope below the angle of friction stays where it is, and is left alone.
+// A ring on a slope below the angle of friction stays where it is, and is left alone.
 #[test]
-fn a_stone_that_friction_holds_lies_still_without_creep() {
-    let (_file, text) = ellipsoid([1.0, 1.0, 0.4], "pose = { position = [0.0, 0.0, 0.0081] }");
+fn a_ring_that_friction_holds_lies_still_without_creep() {
     let mut world = world(
         libm::atan(0.15),
-        &format!("{FLOOR}{text}{}", rub("stone", "floor", 0.3)),
+        &format!(
+            "{FLOOR}[[body]]\nid = \"ring\"\nsurface = {{ builtin = \"torus\", size = 0.03 }}\nfree = true\n\
+             pose = {{ position = [0.0, 0.0, 0.0121] }}\nmaterial = {{ density_kg_m3 = 1000.0 }}\n{}",
+            rub("ring", "floor", 0.3)
+        ),
     );
-    let ticks = (0..6_000).find(|_| {
+    let ticks = (0..3_000).find(|k| {
         world.at_in_place(FAR);
+        if k % 250 == 0 {
+            let m = motion(&world, 1);
+            println!("{k}: {} {:e} {:e} rows {}", m.centre, m.velocity_m_s.norm(), m.spin_rad_s.norm(), world.scratch.row_count());
+        }
         world.scene.is_left_alone(&world.state, 1)
     });
     let lay = motion(&world, 1);
@@ -245,7 +251,13 @@ fn a_ball_rests_on_a_soft_slab_with_its_weight() {
                 lattice = { layers = 3, refine = \"none\", thickness_m = 0.02 }\n\
                 fixed = [{ point = [0.0, 0.0, -0.0199], normal = [0.0, 0.0, 1.0] }]\n";
     let mut world = world(0.0, &format!("{slab}{}", ball(0.0205, "")));
-    run(&mut world, 1_000);
+    for k in 0..1_000 {
+        run(&mut world, 1);
+        if k % 50 == 0 || (k < 40 && k % 5 == 0) {
+            let m = motion(&world, 1);
+            println!("{k}: {} {} {} rows {} {}", m.centre, m.velocity_m_s.z, m.spin_rad_s.norm(), world.scratch.row_count(), world.scratch.contact_force_on(1).z);
+        }
+    }
     let mut mean = 0.0;
     for _ in 0..200 {
         world.at_in_place(FAR);
@@ -361,7 +373,7 @@ fn scene_text(world: &World) -> String {
 fn a_gripping_tool_lifts_a_stone_and_lets_it_fall() {
     let (_file, text) = ellipsoid([1.6, 1.0, 0.6], "pose = { position = [0.0, 0.0, 0.012] }");
     let mut world = World::new(&format!(
-        "[gravity]\nacceleration = [0.0, 0.0, -9.81]\n{FLOOR}{text}{}{PEN}grip_n = 20.0\npose = {{ position = [0.0, 0.0, 0.04] }}\n",
+        "[gravity]\nacceleration = [0.0, 0.0, -9.81]\n{FLOOR}{text}{}{PEN}grip = {{ force_n = 20.0 }}\npose = {{ position = [0.0, 0.0, 0.04] }}\n",
         rub("stone", "floor", 0.5)
     ));
     for k in 0..1_500 {
