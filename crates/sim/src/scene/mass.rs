@@ -42,8 +42,7 @@ impl Mass {
     /// if it encloses nothing, or a sheet as good as without thickness.
     pub fn inside(surface: &Surface, density_kg_m3: f64) -> Option<Self> {
         let points = surface.net().points();
-        let middle =
-            points.iter().map(|p| p.coords).sum::<Vector3>() / points.len().max(1) as f64;
+        let middle = points.iter().map(|p| p.coords).sum::<Vector3>() / points.len().max(1) as f64;
         let mut volume = 0.0;
         let mut first = Vector3::zeros();
         let mut second = Matrix3::zeros();
@@ -88,9 +87,8 @@ impl Mass {
         let (a, b) = (column(0), column(1));
         // Right-handed, whatever signs the columns have.
         let axes = Matrix3::from_columns(&[a, b, a.cross(&b)]);
-        let axes = Rotation::from_rotation_matrix(
-            &nalgebra::Rotation3::from_matrix_unchecked(axes),
-        );
+        let axes =
+            Rotation::from_rotation_matrix(&nalgebra::Rotation3::from_matrix_unchecked(axes));
         let centre = Point3::from(middle + from_middle);
         let reach = points.iter().map(|p| (p - centre).norm_squared());
         Some(Self {

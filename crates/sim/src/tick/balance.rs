@@ -230,12 +230,10 @@ fn solve_whole(scene: &Scene, state: &SceneState, scratch: &mut Scratch, start: 
             Start::Here => scratch.friction.set_free(i, &free),
         }
     }
-    scratch
-        .friction
-        .solve(
-            scratch.problem.matrix(),
-            sweeps(scene, state, &scratch.rows.rows),
-        );
+    scratch.friction.solve(
+        scratch.problem.matrix(),
+        sweeps(scene, state, &scratch.rows.rows),
+    );
     for tool in 0..scene.tools.len() {
         share_whole_among_rigid(scene, state, scratch, tool);
     }
@@ -338,8 +336,7 @@ fn share_among_rigid(scene: &Scene, state: &SceneState, scratch: &mut Scratch, t
         return;
     }
     let compliance = coupling.compliance_m_n();
-    let rigid =
-        |row: &Row| row.tool() == Some(tool) && scene.bodies[row.body as usize].is_firm();
+    let rigid = |row: &Row| row.tool() == Some(tool) && scene.bodies[row.body as usize].is_firm();
     shares.clear();
     for (i, row) in rows.rows.iter().enumerate().filter(|(_, row)| rigid(row)) {
         let force_n = problem.forces()[i];

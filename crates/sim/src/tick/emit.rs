@@ -2,9 +2,9 @@
 //! for everybody.
 
 use super::feet::margin_m;
+use super::flight::is_between_rigid;
 use super::record::{ContactReport, TickFault, TickOutput, ToolOutput};
 use super::{SceneState, Scratch, ToolState, WarmRow, flags};
-use super::flight::is_between_rigid;
 use super::{grip, load, lying, rest, stick};
 use crate::haptics::{LinkPhase, Motion, RenderedForce, Wrench, limit};
 use crate::scene::{BodyModel, Scene};

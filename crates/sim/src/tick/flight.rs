@@ -23,7 +23,7 @@ const CALM_TICKS: u32 = 100;
 const TREMBLES: f64 = 300.0;
 /// Surfaces that are inside each other part no faster than this, m/s: depth that comes from elsewhere
 /// than from contact is no energy.
-const PARTING_M_S: f64 = 0.01;
+const PARTING_M_S: f64 = 0.05;
 
 /// How a free rigid body moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

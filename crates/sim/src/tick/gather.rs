@@ -44,12 +44,7 @@ const SAME: f64 = 1e-6;
 
 /// Moves the proxies on the surfaces as they stand and writes the rows of the contact problem; `moving`
 /// unless bodies stand still in this tick.
-pub(super) fn gather(
-    scene: &Scene,
-    state: &mut SceneState,
-    scratch: &mut Scratch,
-    moving: bool,
-) {
+pub(super) fn gather(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, moving: bool) {
     scratch.rows.clear();
     for (t, tool) in scene.tools.iter().enumerate() {
         let link = &state.tools[t].link;

@@ -58,15 +58,9 @@ fn may_rest(body: &Body) -> bool {
 }
 
 /// Settles which bodies are left alone in this tick. Pairs that can touch are marked.
-pub(super) fn settle(
-    scene: &Scene,
-    state: &mut SceneState,
-    scratch: &mut Scratch,
-    moving: bool,
-) {
-    let calm = |state: &SceneState, b: usize| {
-        state.bodies[b].lies_calm() && may_rest(&scene.bodies[b])
-    };
+pub(super) fn settle(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, moving: bool) {
+    let calm =
+        |state: &SceneState, b: usize| state.bodies[b].lies_calm() && may_rest(&scene.bodies[b]);
     if !(0..scene.bodies.len()).any(|b| calm(state, b)) {
         return;
     }
@@ -108,7 +102,11 @@ pub(super) fn settle(
     }
     for b in 0..scene.bodies.len() {
         let leave = calm(state, b) && !scratch.rest.awake[b];
-        if let Some(flight) = state.bodies[b].rigid.as_mut().and_then(|body| body.flight_mut()) {
+        if let Some(flight) = state.bodies[b]
+            .rigid
+            .as_mut()
+            .and_then(|body| body.flight_mut())
+        {
             if flight.is_left_alone() != leave {
                 flight.leave_alone(leave);
                 rigid::aim_body(scene, state, scratch, b, moving);

@@ -222,7 +222,9 @@ impl RigidState {
     /// All of it is a number.
     fn is_finite(&self) -> bool {
         let moves = self.flight().is_none_or(|flight| {
-            (flight.velocity_m_s + flight.momentum).iter().all(|x| x.is_finite())
+            (flight.velocity_m_s + flight.momentum)
+                .iter()
+                .all(|x| x.is_finite())
         });
         let placed = self.position.iter().chain(self.rotation.as_vector().iter());
         moves && placed.into_iter().all(|x| x.is_finite())

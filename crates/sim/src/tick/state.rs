@@ -292,14 +292,18 @@ impl BodyState {
     /// It lies at rest, and may be left alone with its contacts.
     pub(super) fn lies_calm(&self) -> bool {
         let free = self.rigid.as_ref().and_then(RigidState::flight);
-        self.deformable.as_ref().is_some_and(|body| body.lies_calm())
+        self.deformable
+            .as_ref()
+            .is_some_and(|body| body.lies_calm())
             || free.is_some_and(|flight| flight.lies_calm())
     }
 
     /// It is left alone.
     pub(super) fn is_left_alone(&self) -> bool {
         let free = self.rigid.as_ref().and_then(RigidState::flight);
-        self.deformable.as_ref().is_some_and(|body| body.is_left_alone())
+        self.deformable
+            .as_ref()
+            .is_some_and(|body| body.is_left_alone())
             || free.is_some_and(|flight| flight.is_left_alone())
     }
 }

@@ -20,9 +20,9 @@ pub use names::ModelSpec;
 pub(super) use values::launch_of;
 
 use super::door::At;
-use super::{free, mover};
 use super::spec::{BodySpec, SceneSpec};
 use super::{Body, BodyModel, Tool};
+use super::{free, mover};
 use crate::body::{Deformable, DeformableError, Material, StepSettings};
 use palpate_geometry::math::Pose;
 use palpate_geometry::surface::Surface;
