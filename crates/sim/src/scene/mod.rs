@@ -235,8 +235,8 @@ impl Scene {
 
     /// Most contact rows of one tick, over all pairs.
     pub fn most_rows(&self) -> usize {
-        let deforming = (0..self.body_count()).filter(|&body| self.deforms(body));
-        most_rows(self.tool_count() + deforming.count())
+        let give = self.bodies.iter().filter(|body| !body.is_firm());
+        most_rows(self.tool_count() + give.count())
     }
 
     /// Id of a tool.

@@ -406,13 +406,13 @@ fn add_free_body(body: usize, gives: &Gives, whole: bool, scratch: &mut Scratch)
         for (sign_a, _) in a.sides_on(body) {
             let turn = match whole {
                 true => Vector3::zeros(),
-                false => gives.turned(&gives.arm(a, sign_a).cross(&a.normal)),
+                false => gives.turned(&gives.arm(a).cross(&a.normal)),
             };
             for (j, b) in rows.iter().enumerate().take(i + 1) {
                 for (sign_b, _) in b.sides_on(body) {
                     let mut entry = gives.shift_m_n * direction(a, b, whole);
                     if !whole {
-                        entry += turn.dot(&gives.arm(b, sign_b).cross(&b.normal));
+                        entry += turn.dot(&gives.arm(b).cross(&b.normal));
                     }
                     entry *= sign_a * sign_b;
                     problem.row_mut(i)[j] += entry;
@@ -489,7 +489,7 @@ fn give_modes(scene: &Scene, scratch: &mut Scratch, row: &Row) {
         let BodyModel::Deforming(model) = &body.model else {
             if let Some(gives) = scratch.bodies[b].gives() {
                 for (sign, _) in row.sides_on(b) {
-                    let moves = gives.moves(&gives.arm(row, sign));
+                    let moves = gives.moves(&gives.arm(row));
                     for (k, (moves, gain)) in moves.iter().zip(gives.turn_rad_nm).enumerate() {
                         scratch.friction.add_turn(first + k, gain, &(moves * sign));
                     }

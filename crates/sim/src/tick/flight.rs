@@ -146,12 +146,12 @@ impl Gives {
         }
     }
 
-    /// From the centre of mass to where a row acts on this body, which is its holder if `sign` is
-    /// positive, m.
-    pub(super) fn arm(&self, row: &Row, sign: f64) -> Vector3 {
-        let place = match sign > 0.0 {
-            true => on_holder(row),
-            false => row.point,
+    /// From the centre of mass to where a row acts, m: on a tool's row where it is on the body, on others
+    /// in the middle between both surfaces, so that two bodies keep their angular momentum together.
+    pub(super) fn arm(&self, row: &Row) -> Vector3 {
+        let place = match row.tool() {
+            Some(_) => row.point,
+            None => row.point + row.normal * (0.5 * row.now_m),
         };
         place - self.centre
     }
@@ -201,7 +201,7 @@ pub(super) fn load_on(scratch: &Scratch, body: usize, gives: &Gives) -> (Vector3
             if load::carries(scratch, i) {
                 let push = load::on_bodies(scratch, i) * sign;
                 force += push;
-                moment += gives.arm(row, sign).cross(&push);
+                moment += gives.arm(row).cross(&push);
             }
         }
     }

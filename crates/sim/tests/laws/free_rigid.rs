@@ -217,6 +217,56 @@ fn a_ring_that_friction_holds_lies_still_without_creep() {
         (now.centre - lay.centre).norm()
     );
     assert!(ticks.is_some(), "it never came to rest");
+
+    // A pen comes and pushes it up the slope.
+    let felt = (0..600)
+        .map(|k| {
+            let x = now.centre.x + 0.06 - 5e-5 * f64::from(k);
+            world.at([x, 0.0, 0.012]).tools[0].force_n.x
+        })
+        .fold(0.0, f64::max);
+    let moved = motion(&world, 1).centre - now.centre;
+    println!("pushed with {felt} N by {moved}");
+    assert!(felt > 0.2 && moved.x < -5e-3, "{felt} N, {moved}");
+}
+
+// Off centre and with friction: what one gets the other loses.
+#[test]
+fn two_free_bodies_keep_their_momenta_together() {
+    let (_file, text) = ellipsoid(
+        [1.6, 1.0, 0.6],
+        "velocity_m_s = [0.5, 0.0, 0.0]\nspin_rad_s = [5.0, 10.0, 3.0]",
+    );
+    let mut world = World::new(&format!(
+        "{text}{}{}[[tool]]\nid = \"far\"\nshape = {{ point = {{}} }}\npose = {{ position = {FAR:?} }}\n",
+        ball(0.0, "").replace("[0.0, 0.0, 0.0]", "[0.07, 0.012, 0.006]"),
+        rub("stone", "ball", 0.4)
+    ));
+    let whole = |world: &World| {
+        let bodies = [motion(world, 0), motion(world, 1)];
+        let linear: Vector3 = bodies.iter().map(|m| m.velocity_m_s * m.mass_kg).sum();
+        let angular: Vector3 = (bodies.iter())
+            .map(|m| m.momentum + m.centre.coords.cross(&(m.velocity_m_s * m.mass_kg)))
+            .sum();
+        (linear, angular, bodies[0].energy_j + bodies[1].energy_j)
+    };
+    let start = whole(&world);
+    let mut touched = 0;
+    for _ in 0..150 {
+        touched += usize::from(!world.at_in_place(FAR).contacts.list().is_empty());
+    }
+    let now = whole(&world);
+    let off = [
+        (now.0 - start.0).norm() / start.0.norm(),
+        (now.1 - start.1).norm() / start.1.norm(),
+    ];
+    println!(
+        "met in {touched} ticks, momenta off by {off:?}, {} J of {} J",
+        now.2, start.2
+    );
+    assert!(touched > 0 && motion(&world, 1).velocity_m_s.norm() > 0.05);
+    assert!(off[0] < 1e-13 && off[1] < 1e-9, "{off:?}");
+    assert!(now.2 < start.2, "{} J of {} J", now.2, start.2);
 }
 
 #[test]

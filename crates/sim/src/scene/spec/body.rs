@@ -47,6 +47,7 @@ pub struct BodySpec {
     pub self_contact: bool,
     /// Of a rigid body with a closed surface: it has a mass, falls, turns, and contact moves it.
     #[serde(default, skip_serializing_if = "is_false")]
+    #[schemars(extend("x-default" = "false"))]
     pub free: bool,
     /// Of a rigid body: where it goes by itself.
     #[serde(default, skip_serializing_if = "Option::is_none")]
