@@ -103,8 +103,8 @@ impl SceneChange {
             let reason = "a part with regions of another material cannot be merged: their places are those of its frame";
             return Err(SceneError::one(format!("body[{first}].region"), reason));
         }
-        if body.motion.is_some() || body.carried_by.is_some() {
-            let reason = "a body that moves by itself or is carried cannot be merged: its surface is elsewhere than in the scene";
+        if body.motion.is_some() || body.carried_by.is_some() || body.free {
+            let reason = "a body that moves by itself, is carried or is free cannot be merged: its surface is elsewhere than in the scene";
             return Err(SceneError::one(format!("body[{first}]"), reason));
         }
         let (mut bodies, mut origins) = (Vec::new(), Vec::new());

@@ -8,7 +8,9 @@ mod build;
 mod change;
 mod door;
 pub mod file;
+mod free;
 mod layout;
+mod mass;
 mod model;
 mod mover;
 mod pairs;
@@ -24,6 +26,8 @@ pub use build::inline_files;
 use build::samples_per_span;
 pub use change::{Origin, SceneChange};
 pub use door::{Place, Problem, SceneError};
+pub(crate) use free::Free;
+pub(crate) use mass::Mass;
 pub(crate) use mover::{MovedBy, Mover, SPEED_MAX_M_S, TURNING_MAX_RAD_S, between, smooth};
 pub use schema::schema;
 
@@ -80,6 +84,18 @@ pub(crate) struct Body {
     pub model: BodyModel,
     /// What moves it, when it is rigid and not fixed.
     pub mover: Option<Mover>,
+}
+
+impl Body {
+    /// The constants of a rigid body that contact and gravity move.
+    pub fn free(&self) -> Option<&Free> {
+        self.mover.as_ref()?.free()
+    }
+
+    /// It gives way to nothing: it is rigid, and no force moves it.
+    pub fn is_firm(&self) -> bool {
+        matches!(self.model, BodyModel::Rigid) && self.free().is_none()
+    }
 }
 
 /// What moves a body.
@@ -222,8 +238,8 @@ impl Scene {
 
     /// Most contact rows of one tick, over all pairs.
     pub fn most_rows(&self) -> usize {
-        let deforming = (0..self.body_count()).filter(|&body| self.deforms(body));
-        most_rows(self.tool_count() + deforming.count())
+        let give = self.bodies.iter().filter(|body| !body.is_firm());
+        most_rows(self.tool_count() + give.count())
     }
 
     /// Id of a tool.
@@ -304,7 +320,12 @@ impl Scene {
 
     /// True when a command can send the body to a place.
     pub fn can_be_sent(&self, body: usize) -> bool {
-        self.bodies[body].mover.is_some()
+        self.bodies[body].mover.is_some() && !self.is_free(body)
+    }
+
+    /// True when the body is rigid, and contact and gravity move it.
+    pub fn is_free(&self, body: usize) -> bool {
+        self.bodies[body].free().is_some()
     }
 
     /// True when a body steps once in several ticks.

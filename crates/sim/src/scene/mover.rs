@@ -1,6 +1,7 @@
-//! What moves a rigid body: a script, a tool that carries it, or commands.
+//! What moves a rigid body: a script, a tool that carries it, commands, or forces.
 
 use super::door::At;
+use super::free::Free;
 use super::spec::{BodySpec, InterpolationSpec, MotionSpec, SceneSpec};
 use palpate_geometry::math::{Point3, Pose, Rotation, Vector3, rotation_by, turn_between};
 use std::f64::consts::TAU;
@@ -16,7 +17,8 @@ pub(crate) const TURNING_MAX_RAD_S: f64 = 100.0;
 /// A rigid body that moves.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Mover {
-    /// The body's frame at the start, where its surface at rest is.
+    /// The body's frame at the start, where its surface at rest is; of a free body: its centre of mass
+    /// and principal axes.
     pub placement: Pose,
     /// What moves it.
     pub by: MovedBy,
@@ -29,6 +31,18 @@ pub(crate) enum MovedBy {
     Script(Script),
     /// The device of a tool, which starts at `start`.
     Tool { tool: usize, start: Pose },
+    /// Contact and gravity.
+    Forces(Box<Free>),
+}
+
+impl Mover {
+    /// The constants of a body that forces move.
+    pub fn free(&self) -> Option<&Free> {
+        match &self.by {
+            MovedBy::Forces(free) => Some(free),
+            MovedBy::Script(_) | MovedBy::Tool { .. } => None,
+        }
+    }
 }
 
 /// A motion, checked.

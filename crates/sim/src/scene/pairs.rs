@@ -64,7 +64,7 @@ impl Frictions {
     }
 }
 
-/// Every tool against every body, bodies that deform against all others, and those that may touch
+/// Every tool against every body, bodies that deform or are free against all others, and those that may touch
 /// themselves; exceptions as the scene lists them.
 pub(super) fn build(
     spec: &SceneSpec,
@@ -100,7 +100,11 @@ pub(super) fn build(
     };
     for body in 0..bodies.len() {
         for other in body + 1..bodies.len() {
-            if deforms(body) || deforms(other) {
+            let free = |body: usize| bodies[body].free().is_some();
+            if free(body) && !deforms(other) && !free(other) {
+                // Where a free body touched is remembered on the holder.
+                pairs.push(of_bodies(body, other));
+            } else if deforms(body) || deforms(other) || free(other) {
                 // A sheet has no inside: it is asked for the side on which the other is.
                 let sheet_second = bodies[other].two_sided && !bodies[body].two_sided;
                 pairs.push(if sheet_second {

@@ -41,6 +41,20 @@ pub struct BodyPlan {
     /// Of a body that deforms.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub deformable: Option<DeformingPlan>,
+    /// Of a rigid body that contact and gravity move.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub free: Option<FreePlan>,
+}
+
+/// A free rigid body of the plan.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FreePlan {
+    /// kg.
+    pub mass_kg: f64,
+    /// Centre of mass at the start, m.
+    pub centre_m: [f64; 3],
+    /// Principal moments of inertia about it, kg·m².
+    pub moments_kg_m2: [f64; 3],
 }
 
 /// A deforming body of the plan.
@@ -338,6 +352,11 @@ fn body_plan(body: &super::Body, dt_s: f64) -> BodyPlan {
         net: body.original_net,
         simulated_net,
         deformable,
+        free: body.free().map(|free| FreePlan {
+            mass_kg: free.mass.mass_kg,
+            centre_m: free.mass.centre.coords.into(),
+            moments_kg_m2: free.mass.moments_kg_m2,
+        }),
     }
 }
 
@@ -361,6 +380,17 @@ impl fmt::Display for Plan {
                 "  body {}: {}, net {r} x {s}, simulated {a} x {b}",
                 body.id, body.model
             )?;
+            if let Some(free) = &body.free {
+                let ([x, y, z], [a, b, c]) = (free.centre_m, free.moments_kg_m2);
+                writeln!(
+                    f,
+                    "    free: {:.4} kg, centre ({:.2}, {:.2}, {:.2}) mm, moments {a:.3e}, {b:.3e}, {c:.3e} kg m2",
+                    free.mass_kg,
+                    x * 1e3,
+                    y * 1e3,
+                    z * 1e3
+                )?;
+            }
             if let Some(l) = &body.deformable {
                 writeln!(
                     f,

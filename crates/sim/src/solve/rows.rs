@@ -139,8 +139,8 @@ pub struct RowSet {
     most: usize,
 }
 
-/// Most rows of one tick over all pairs of a scene, whose tools and deforming bodies are `parties`
-/// together.
+/// Most rows of one tick over all pairs of a scene, whose tools and bodies that give way, deforming or
+/// free, are `parties` together.
 pub fn most_rows(parties: usize) -> usize {
     let [least, most] = PARTIES;
     ROWS_PER_PARTY * parties.clamp(least, most)

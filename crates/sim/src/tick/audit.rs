@@ -1,5 +1,6 @@
 //! What a tick's contact solve came to, for whoever measures; no stage uses it.
 
+use super::flight::RigidMotion;
 use super::scratch::Scratch;
 use super::state::SceneState;
 use crate::scene::Scene;
@@ -51,6 +52,17 @@ impl Scene {
                 .sqrt(),
             None => state.bodies[body].moved_m / self.dt_s,
         }
+    }
+
+    /// How a free rigid body moves; `None` of others.
+    pub fn rigid_motion(&self, state: &SceneState, body: usize) -> Option<RigidMotion> {
+        let state = state.bodies[body].rigid.as_ref()?;
+        RigidMotion::of(self.bodies[body].mover.as_ref()?, state)
+    }
+
+    /// True when a body lies at rest on others and is left alone.
+    pub fn is_left_alone(&self, state: &SceneState, body: usize) -> bool {
+        state.bodies[body].is_left_alone()
     }
 
     /// Placement of a rigid body that moves: a point of its surface at rest, where it is now, m.

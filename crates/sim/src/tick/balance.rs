@@ -5,16 +5,21 @@
 //! rows on the same body, each with the sign with which its normal pushes it. A tool that may turn
 //! adds `(r_i × n_i) · (r_j × n_j) / K'_r` for two of its rows with arms r.
 //!
+//! A free rigid body adds to two of its rows what it gives way in a tick: dt² / m times the bracket's
+//! signs, and by its turn dt² I⁻¹ (r_j × f_j) × r_i. With friction its turns about the three principal axes
+//! are modes.
+//!
 //! With friction or grips, forces have three components and rows move each other by the bracket
 //! alone, without n_i · n_j.
 
+use super::flight::Gives;
 use super::stick;
 use super::{SceneState, Scratch, WarmRow, quality};
 use crate::body::Deformable;
 use crate::scene::{Body, BodyModel, Scene};
 use crate::solve::cones::{self, ConeShare};
 use crate::solve::friction::{FrictionLaw, Lever};
-use crate::solve::rows::Row;
+use crate::solve::rows::{Holder, Row};
 use crate::solve::sharing::{Share, share};
 use palpate_geometry::math::Vector3;
 
@@ -24,6 +29,10 @@ pub(super) const MANY_ROWS: usize = 256;
 const RIGID_SWEEPS: usize = 50;
 /// Rows of a tool that turns lean on each other through its arms.
 const TURNING_SWEEPS: usize = 200;
+/// Rows of a free body lean on each other through its mass: three and more carry it where one would.
+const FREE_SWEEPS: usize = 200;
+/// Turns of a free body.
+pub(super) const TURNS: usize = 3;
 /// Fewest sweeps under lower quality, where there are as many.
 const LEAST_SWEEPS: usize = 10;
 /// Weight of a row that carries, relative to the depth that its force means to the coupling.
@@ -74,6 +83,9 @@ pub(super) fn solve(scene: &Scene, state: &SceneState, scratch: &mut Scratch) {
                 add_soft_modes(b, &model.deformable, scratch);
             }
         }
+        if let Some(gives) = scratch.bodies[b].gives().copied() {
+            add_free_body(b, &gives, whole, scratch);
+        }
     }
     if !whole {
         add_indentations(scratch);
@@ -106,9 +118,10 @@ fn is_whole(scene: &Scene, scratch: &Scratch) -> bool {
 
 /// How often a solve goes over its rows. They start with the forces of the last tick: under lower
 /// quality, what few sweeps leave is settled over some ticks.
-fn sweeps(scene: &Scene, state: &SceneState, count: usize) -> usize {
+fn sweeps(scene: &Scene, state: &SceneState, rows: &[Row]) -> usize {
     let turns = scene.tools.iter().any(|tool| tool.coupling.turns());
-    let rigid = match (count, turns) {
+    let rigid = match (rows.len(), turns) {
+        _ if rows.iter().any(|row| is_on_free(scene, row)) => FREE_SWEEPS,
         (1, false) => 1,
         (_, false) => RIGID_SWEEPS,
         (_, true) => TURNING_SWEEPS,
@@ -123,6 +136,16 @@ fn sweeps(scene: &Scene, state: &SceneState, count: usize) -> usize {
     } else {
         full.min((full / 4).max(LEAST_SWEEPS))
     }
+}
+
+/// One of its parties is a free rigid body.
+fn is_on_free(scene: &Scene, row: &Row) -> bool {
+    let holder = match row.holder {
+        Holder::Body(other) => Some(other),
+        Holder::Tool(_) => None,
+    };
+    let mut bodies = std::iter::once(row.body).chain(holder);
+    bodies.any(|body| scene.bodies[body as usize].free().is_some())
 }
 
 fn solve_rows(scene: &Scene, state: &SceneState, scratch: &mut Scratch, start: Start) {
@@ -142,7 +165,7 @@ fn solve_rows(scene: &Scene, state: &SceneState, scratch: &mut Scratch, start: S
     }
     scratch
         .problem
-        .solve(sweeps(scene, state, scratch.rows.rows.len()));
+        .solve(sweeps(scene, state, &scratch.rows.rows));
     for tool in 0..scene.tools.len() {
         share_among_rigid(scene, state, scratch, tool);
     }
@@ -210,9 +233,10 @@ fn solve_whole(scene: &Scene, state: &SceneState, scratch: &mut Scratch, start: 
             Start::Here => scratch.friction.set_free(i, &free),
         }
     }
-    scratch
-        .friction
-        .solve(scratch.problem.matrix(), sweeps(scene, state, count));
+    scratch.friction.solve(
+        scratch.problem.matrix(),
+        sweeps(scene, state, &scratch.rows.rows),
+    );
     for tool in 0..scene.tools.len() {
         share_whole_among_rigid(scene, state, scratch, tool);
     }
@@ -294,7 +318,7 @@ fn rigid_rows<'a>(
     rows: &'a [Row],
     tool: usize,
 ) -> impl Iterator<Item = (usize, &'a Row)> {
-    let rigid = |row: &Row| matches!(scene.bodies[row.body as usize].model, BodyModel::Rigid);
+    let rigid = |row: &Row| scene.bodies[row.body as usize].is_firm();
     rows.iter()
         .enumerate()
         .filter(move |(_, row)| row.tool() == Some(tool) && rigid(row))
@@ -315,10 +339,7 @@ fn share_among_rigid(scene: &Scene, state: &SceneState, scratch: &mut Scratch, t
         return;
     }
     let compliance = coupling.compliance_m_n();
-    let rigid = |row: &Row| {
-        row.tool() == Some(tool)
-            && matches!(scene.bodies[row.body as usize].model, BodyModel::Rigid)
-    };
+    let rigid = |row: &Row| row.tool() == Some(tool) && scene.bodies[row.body as usize].is_firm();
     shares.clear();
     for (i, row) in rows.rows.iter().enumerate().filter(|(_, row)| rigid(row)) {
         let force_n = problem.forces()[i];
@@ -403,6 +424,33 @@ fn add_indentations(scratch: &mut Scratch) {
     }
 }
 
+/// Adds what a free rigid body gives way; with friction only what it shifts, its turns are modes.
+fn add_free_body(body: usize, gives: &Gives, whole: bool, scratch: &mut Scratch) {
+    let Scratch { rows, problem, .. } = scratch;
+    let rows = &rows.rows;
+    for (i, a) in rows.iter().enumerate() {
+        for (sign_a, _) in a.sides_on(body) {
+            let turn = match whole {
+                true => Vector3::zeros(),
+                false => gives.turned(&gives.arm(a).cross(&a.normal)),
+            };
+            for (j, b) in rows.iter().enumerate().take(i + 1) {
+                for (sign_b, _) in b.sides_on(body) {
+                    let mut entry = gives.shift_m_n * direction(a, b, whole);
+                    if !whole {
+                        entry += turn.dot(&gives.arm(b).cross(&b.normal));
+                    }
+                    entry *= sign_a * sign_b;
+                    problem.row_mut(i)[j] += entry;
+                    if i != j {
+                        problem.row_mut(j)[i] += entry;
+                    }
+                }
+            }
+        }
+    }
+}
+
 /// How each soft mode of a body moves a row, into the scratch; false if none does.
 fn modes_of_row(body: usize, deformable: &Deformable, scratch: &mut Scratch, row: &Row) -> bool {
     let Scratch {
@@ -459,11 +507,21 @@ fn add_soft_modes(body: usize, deformable: &Deformable, scratch: &mut Scratch) {
     }
 }
 
-/// Gives the row just added to the friction problem the soft modes of its bodies.
+/// Gives the row just added to the friction problem the soft modes of its bodies, and the turns of free
+/// ones.
 fn give_modes(scene: &Scene, scratch: &mut Scratch, row: &Row) {
     let mut first = 0;
     for (b, body) in scene.bodies.iter().enumerate() {
         let BodyModel::Deforming(model) = &body.model else {
+            if let Some(gives) = scratch.bodies[b].gives() {
+                for (sign, _) in row.sides_on(b) {
+                    let moves = gives.moves(&gives.arm(row));
+                    for (k, (moves, gain)) in moves.iter().zip(gives.turn_rad_nm).enumerate() {
+                        scratch.friction.add_turn(first + k, gain, &(moves * sign));
+                    }
+                }
+                first += TURNS;
+            }
             continue;
         };
         let deformable = &model.deformable;
@@ -482,6 +540,7 @@ fn give_modes(scene: &Scene, scratch: &mut Scratch, row: &Row) {
             .friction
             .add_mode(first + pair, dent.slope_m_n, &dent.normal);
     }
+    scratch.friction.bound_turns();
 }
 
 /// How much a force of one row moves another, in terms of what their places give way.

@@ -10,6 +10,7 @@ use palpate_geometry::basis::BasisWindow;
 use palpate_geometry::contact::dispatch::look_at;
 use palpate_geometry::contact::{Contact, Facing, Reach};
 use palpate_geometry::math::{Point3, Vector3};
+use palpate_geometry::surface::{ClosestSolver, Surface};
 
 /// Deepest fold of a body into itself that a tick looks for, relative to the size.
 const FOLD: f64 = 5e-3;
@@ -75,9 +76,16 @@ pub(super) fn bodies(
     }
     let views = [view(my_body, mine), view(their_body, theirs)];
     let steps = [mine.step, theirs.step];
+    let free = mine.gives().is_some() || theirs.gives().is_some();
     if let Some(view) = views[0].as_ref().filter(|_| !contacts.is_empty()) {
         let bounds = theirs.bounds;
-        let look = |x: &Point3| look_at(contacts, x, margin, &theirs.surface, &theirs.solver);
+        let look = |x: &Point3| {
+            let seen = look_at(contacts, x, margin, &theirs.surface, &theirs.solver)?;
+            if free {
+                return straight(x, seen, 1.0, &theirs.surface, &theirs.solver);
+            }
+            Some(seen)
+        };
         view.samples_in_touch(
             within(margin),
             1,
@@ -117,11 +125,15 @@ pub(super) fn bodies(
             let near = nearest(contacts, x, |c| (x - c.on_body).dot(&c.normal) < margin)?;
             let foot = mine.solver.local(&mine.surface, x, near.u, near.v)?;
             let gap_m = side * foot.signed_distance;
-            Some(Facing {
+            let seen = Facing {
                 gap_m,
                 normal: -foot.normal * side,
                 uv: [foot.u, foot.v],
-            })
+            };
+            if free {
+                return straight(x, seen, side, &mine.surface, &mine.solver);
+            }
+            Some(seen)
         };
         view.samples_in_touch(
             within(margin),
@@ -166,7 +178,13 @@ pub(super) fn bodies(
         views,
         steps,
         margin_m: margin,
+        size_m: my_body.size_m,
         same_m: SAME * my_body.size_m.min(their_body.size_m),
+        lies: theirs
+            .gives()
+            .copied()
+            .filter(|_| views.iter().all(Option::is_none)),
+        side: reach.side(),
     };
     let warm = &state.warm[..state.warm_len];
     meeting.push_feet(rows, contacts, warm);
@@ -210,6 +228,52 @@ pub(super) fn itself(scene: &Scene, scratch: &mut Scratch, p: usize) {
         );
     }
 }
+
+/// What a point sees of a surface on its side (+1, or −1 below a sheet), if its foot is straight below it.
+/// Descent may end at a pole of a ball, with a foot from which the way to the point is no normal: other
+/// starts around it lead off.
+fn straight(
+    x: &Point3,
+    seen: Facing,
+    side: f64,
+    surface: &Surface,
+    solver: &ClosestSolver,
+) -> Option<Facing> {
+    // Straight below, the way is the gap; beside, it misses the foot.
+    let is_straight = |seen: &Facing| {
+        let [u, v] = seen.uv;
+        let missed_m = (surface.point(u, v) - (x + seen.normal * seen.gap_m)).norm();
+        missed_m <= ASIDE * seen.gap_m.abs() + ASIDE_M
+    };
+    if is_straight(&seen) {
+        return Some(seen);
+    }
+    let [u, v] = seen.uv;
+    let (long_u, long_v) = (surface.knots_u().length(), surface.knots_v().length());
+    STARTS.iter().find_map(|(a, b)| {
+        let foot = solver.local(surface, x, u + a * long_u, v + b * long_v)?;
+        let seen = Facing {
+            gap_m: side * foot.signed_distance,
+            normal: -foot.normal * side,
+            uv: [foot.u, foot.v],
+        };
+        is_straight(&seen).then_some(seen)
+    })
+}
+
+/// Other starts of a descent, relative to the lengths of the domain in u and v.
+const STARTS: [(f64, f64); 6] = [
+    (0.125, 0.1),
+    (-0.125, 0.1),
+    (0.125, -0.1),
+    (-0.125, -0.1),
+    (0.375, 0.1),
+    (0.375, -0.1),
+];
+/// A foot this far aside, relative to the gap, is still straight below.
+const ASIDE: f64 = 1e-3;
+/// And this far whatever the gap, m: what descent leaves over.
+const ASIDE_M: f64 = 1e-8;
 
 /// Samples nearer than `margin_m`, which has the motion of both bodies in it.
 fn within(margin_m: f64) -> Approach<impl FnMut(&BasisWindow, &BasisWindow, &Vector3) -> f64> {

@@ -37,6 +37,9 @@ impl Scene {
                 (new.moved_m, new.phase, new.put_off) = (old.moved_m, old.phase, old.put_off);
                 if let (Some(new), Some(old)) = (&mut new.rigid, &old.rigid) {
                     *new = old.moved(&moved);
+                    if let Some(flight) = new.flight_mut().filter(|flight| flight.is_left_alone()) {
+                        flight.leave_alone(false);
+                    }
                 }
             }
             new.revision = revision;

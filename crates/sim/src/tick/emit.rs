@@ -2,9 +2,10 @@
 //! for everybody.
 
 use super::feet::margin_m;
+use super::flight::is_between_rigid;
 use super::record::{ContactReport, TickFault, TickOutput, ToolOutput};
 use super::{SceneState, Scratch, ToolState, WarmRow, flags};
-use super::{grip, load, rest, stick};
+use super::{grip, load, lying, rest, stick};
 use crate::haptics::{LinkPhase, Motion, RenderedForce, Wrench, limit};
 use crate::scene::{BodyModel, Scene};
 use crate::solve::friction::FrictionLaw;
@@ -196,11 +197,13 @@ fn report(row: &Row, depth_m: f64, force_n: Vector3) -> ContactReport {
     }
 }
 
-/// Such a contact is remembered though it does not carry: a tool that may turn may tip onto it, and
-/// the foot of any tool on a deforming body goes along with it.
+/// Such a contact is remembered though it does not carry: a tool that may turn, or a free body, may tip
+/// onto it, and the foot of any tool on a deforming body goes along with it.
 fn is_near(scene: &Scene, row: &Row, gap_m: f64) -> bool {
     let Some(tool) = row.tool().map(|tool| &scene.tools[tool]) else {
-        return false;
+        return row.id.key.is_foot()
+            && is_between_rigid(scene, row)
+            && gap_m < lying::near_m(scene, row);
     };
     let body = &scene.bodies[row.body as usize];
     let deforms = matches!(body.model, BodyModel::Deforming(_));
@@ -228,7 +231,7 @@ fn load_bodies(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) {
         state.warm_arms |= turns;
         let (Row { u, v, on_tool, .. }, force_n) = (row, scratch.problem.forces()[i]);
         let on_tool = match turns || row.id.key.is_foot() {
-            true => on_tool,
+            true => lying::on_holder(scene, scratch, &row).unwrap_or(on_tool),
             false => Vector3::zeros(),
         };
         let mut warm = WarmRow {

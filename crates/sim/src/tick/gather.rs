@@ -14,7 +14,7 @@ use super::feet::{MAX_FEET, Way, margin_m, meet, moving, push_foot, push_sample,
 use super::follow::{Follow, Treader, push_feet};
 use super::manifold::{Stance, push_manifold};
 use super::{BodyScratch, PairState, SceneState, Scratch};
-use super::{dent, grip, rest, stick};
+use super::{dent, flight, grip, rest, stick};
 use crate::haptics::LinkPhase;
 use crate::scene::{Body, BodyModel, Pair, Scene, Tool};
 use crate::solve::indentation::Indentation;
@@ -43,8 +43,9 @@ const SAME_FOOT: f64 = 1e-3;
 /// Feet closer than this, relative to the body's size, are one.
 const SAME: f64 = 1e-6;
 
-/// Moves the proxies on the surfaces as they stand and writes the rows of the contact problem.
-pub(super) fn gather(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) {
+/// Moves the proxies on the surfaces as they stand and writes the rows of the contact problem; `moving`
+/// unless bodies stand still in this tick.
+pub(super) fn gather(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, moving: bool) {
     scratch.rows.clear();
     scratch.indentations.fill(Indentation::default());
     for (t, tool) in scene.tools.iter().enumerate() {
@@ -60,14 +61,14 @@ pub(super) fn gather(scene: &Scene, state: &mut SceneState, scratch: &mut Scratc
     }
     super::near::find(scene, state, scratch);
     grip::update(scene, state, scratch);
-    rest::settle(scene, state, scratch);
+    rest::settle(scene, state, scratch, moving);
     scratch.rest.rows.clear();
     for (p, pair) in scene.pairs.iter().enumerate() {
         scratch.rows.begin_pair();
         if let Some(t) = pair.tool() {
             grip::push_anchors(scene, state, scratch, p, t);
         }
-        if rest::lies(state, scratch, pair) {
+        if rest::lies(scene, state, scratch, pair) {
             rest::keep(scene, state, scratch, p);
             continue;
         }
@@ -105,6 +106,7 @@ pub(super) fn gather(scene: &Scene, state: &mut SceneState, scratch: &mut Scratc
             dent::push(scene, state, scratch, p, radius_m);
         }
     }
+    flight::part_gently(scene, scratch);
 }
 
 /// The point of a pair's holder that says on which side of the body it is, m.

@@ -107,6 +107,16 @@ pub(super) fn carries(scratch: &Scratch, i: usize) -> bool {
     }
 }
 
+/// Force of a row on its holder, N, scaled as the hand's was; its body gets the opposite.
+pub(super) fn on_bodies(scratch: &Scratch, i: usize) -> Vector3 {
+    let row = &scratch.rows.rows[i];
+    let factor = row.tool().map_or(1.0, |tool| scratch.rows.factors[tool]);
+    match scratch.friction.is_active() {
+        true => scratch.friction.force_n(i) * factor,
+        false => row.normal * (scratch.problem.forces()[i] * factor),
+    }
+}
+
 /// ∓λ n N_i on the nodes of a row's sides, scaled as the hand's force was, for the bodies that are
 /// `wanted`.
 pub(super) fn push_bodies(

@@ -6,6 +6,8 @@
 //! where it stuck.
 
 use super::feet::{MAX_FEET, push_between};
+use super::flight::Gives;
+use super::lying;
 use super::rigid::RigidStep;
 use super::{BodyScratch, WarmRow};
 use crate::scene::Pair;
@@ -24,14 +26,25 @@ pub(super) struct Meeting<'a> {
     /// How each goes within the tick, of rigid bodies that move.
     pub steps: [RigidStep; 2],
     pub margin_m: f64,
+    /// Size of the pair's body, m.
+    pub size_m: f64,
     /// A contact nearer than this to a foot of the last tick is that foot, m.
     pub same_m: f64,
+    /// What the holder gives way, when it is free and the body rigid.
+    pub lies: Option<Gives>,
+    /// +1, or −1 where the holder is below a sheet.
+    pub side: f64,
 }
+
+/// Points of a free body closer than this, relative to what makes two contacts one foot, are one.
+const SAME_POINT: f64 = 0.1;
 
 impl Meeting<'_> {
     /// Rows of `found`, deepest first.
     pub(super) fn push_feet(&self, rows: &mut RowSet, found: &[Contact], warm: &[WarmRow]) {
         let mut old = [(Point3::origin(), 0u8); MAX_FEET];
+        let mut points = [Point3::origin(); MAX_FEET];
+        let mut pushed = 0;
         let mut count = 0;
         // Numbers of the last tick stay taken: a new foot must not start from what another carried.
         let mut used = 0u64;
@@ -73,6 +86,39 @@ impl Meeting<'_> {
                 steps,
                 self.margin_m,
             );
+            points[pushed] = contact.on_tool;
+            pushed += 1;
+        }
+        let Some(holder) = &self.lies else { return };
+        let Self { views, steps, .. } = self;
+        for row in warm.iter().filter(|row| row.id.pair as usize == self.p) {
+            let RowKey::Foot(number) = row.id.key else {
+                continue;
+            };
+            let is_left = old[..count].iter().any(|(_, left)| *left == number);
+            if !is_left || pushed == MAX_FEET {
+                continue;
+            }
+            let found = lying::again(row, holder, self.parts, self.size_m, self.side);
+            let near = |point: &Point3| {
+                let mut others = points[..pushed].iter();
+                others.any(|other| (other - point).norm() < SAME_POINT * self.same_m)
+            };
+            let Some(contact) = found.filter(|contact| !near(&contact.on_tool)) else {
+                continue;
+            };
+            push_between(
+                rows,
+                self.p,
+                self.pair,
+                row.id.key,
+                &contact,
+                views,
+                steps,
+                self.margin_m,
+            );
+            points[pushed] = contact.on_tool;
+            pushed += 1;
         }
     }
 }

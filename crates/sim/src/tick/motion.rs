@@ -17,11 +17,10 @@ enum Stepped {
     Done { predicted: bool },
 }
 
-/// Moves every deforming body; false if one had to be set back to rest because its state was not
+/// Moves every body; false if one had to be set back to rest because its state was not
 /// finite.
 pub(super) fn advance(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) -> bool {
-    let mut sound = true;
-    super::rigid::advance(scene, state, scratch);
+    let mut sound = super::rigid::advance(scene, state, scratch);
     scene.follow_frame(state);
     let field = scene.field(state);
     for (b, body) in scene.bodies.iter().enumerate() {

@@ -8,7 +8,7 @@
 
 use super::between::bodies;
 use super::record::ContactReport;
-use super::{SceneState, Scratch, WarmRow};
+use super::{SceneState, Scratch, WarmRow, rigid};
 use crate::haptics::LinkPhase;
 use crate::scene::{Body, BodyModel, Pair, Scene};
 use crate::solve::rows::Holder;
@@ -51,16 +51,16 @@ impl Rest {
 
 /// Such a body can be left alone.
 fn may_rest(body: &Body) -> bool {
-    matches!(&body.model, BodyModel::Deforming(model) if model.every == 1)
+    match &body.model {
+        BodyModel::Deforming(model) => model.every == 1,
+        BodyModel::Rigid => body.free().is_some(),
+    }
 }
 
 /// Settles which bodies are left alone in this tick. Pairs that can touch are marked.
-pub(super) fn settle(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) {
-    let calm = |state: &SceneState, b: usize| {
-        let deformable = state.bodies[b].deformable.as_ref();
-        let rests = deformable.is_some_and(|deformable| deformable.lies_calm());
-        rests && may_rest(&scene.bodies[b])
-    };
+pub(super) fn settle(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, moving: bool) {
+    let calm =
+        |state: &SceneState, b: usize| state.bodies[b].lies_calm() && may_rest(&scene.bodies[b]);
     if !(0..scene.bodies.len()).any(|b| calm(state, b)) {
         return;
     }
@@ -70,6 +70,7 @@ pub(super) fn settle(scene: &Scene, state: &mut SceneState, scratch: &mut Scratc
     let awake = &mut rest.awake;
     for (b, body) in scene.bodies.iter().enumerate() {
         awake[b] = match &body.model {
+            BodyModel::Rigid if body.free().is_some() => !calm(state, b),
             BodyModel::Rigid => state.bodies[b].moved_m > 0.0 || bodies[b].step.most_m > 0.0,
             BodyModel::Deforming(_) => !calm(state, b),
         };
@@ -82,7 +83,7 @@ pub(super) fn settle(scene: &Scene, state: &mut SceneState, scratch: &mut Scratc
             awake[pair.body] = true;
         }
     }
-    let deforms = |b: usize| matches!(scene.bodies[b].model, BodyModel::Deforming(_));
+    let gives = |b: usize| !scene.bodies[b].is_firm();
     loop {
         let mut more = false;
         for (_, pair) in pairs() {
@@ -90,7 +91,7 @@ pub(super) fn settle(scene: &Scene, state: &mut SceneState, scratch: &mut Scratc
                 continue;
             };
             for (from, to) in [(pair.body, other as usize), (other as usize, pair.body)] {
-                if awake[from] && !awake[to] && deforms(to) {
+                if awake[from] && !awake[to] && gives(to) {
                     (awake[to], more) = (true, true);
                 }
             }
@@ -101,6 +102,17 @@ pub(super) fn settle(scene: &Scene, state: &mut SceneState, scratch: &mut Scratc
     }
     for b in 0..scene.bodies.len() {
         let leave = calm(state, b) && !scratch.rest.awake[b];
+        if let Some(flight) = state.bodies[b]
+            .rigid
+            .as_mut()
+            .and_then(|body| body.flight_mut())
+        {
+            if flight.is_left_alone() != leave {
+                flight.leave_alone(leave);
+                rigid::aim_body(scene, state, scratch, b, moving);
+            }
+            continue;
+        }
         let Some(deformable) = &mut state.bodies[b].deformable else {
             continue;
         };
@@ -113,17 +125,17 @@ pub(super) fn settle(scene: &Scene, state: &mut SceneState, scratch: &mut Scratc
 }
 
 /// Both bodies of a pair are left alone, or one and the other is rigid and stands still.
-pub(super) fn lies(state: &SceneState, scratch: &Scratch, pair: &Pair) -> bool {
+pub(super) fn lies(scene: &Scene, state: &SceneState, scratch: &Scratch, pair: &Pair) -> bool {
     let Holder::Body(other) = pair.holder else {
         return false;
     };
-    let still = |b: usize| match &state.bodies[b].deformable {
-        Some(deformable) => deformable.is_left_alone(),
-        None => state.bodies[b].moved_m == 0.0 && scratch.bodies[b].step.most_m == 0.0,
+    let firm = |b: usize| scene.bodies[b].is_firm();
+    let still = |b: usize| match firm(b) {
+        true => state.bodies[b].moved_m == 0.0 && scratch.bodies[b].step.most_m == 0.0,
+        false => state.bodies[b].is_left_alone(),
     };
-    let deforms = |b: usize| state.bodies[b].deformable.is_some();
     let (a, b) = (pair.body, other as usize);
-    still(a) && still(b) && (deforms(a) || deforms(b))
+    still(a) && still(b) && !(firm(a) && firm(b))
 }
 
 /// Keeps the rows of a pair that is left alone, and sees to it that they can be reported.

@@ -1,13 +1,14 @@
-//! Rigid bodies that move: a script, the device of a tool or a command says where to; contact does
-//! not move them.
+//! Rigid bodies that move. Of most a script, the device of a tool or a command says where to, and contact
+//! does not move them; of those that are free, [`super::flight`].
 //!
 //! ```text
 //! Render   aim      where the body goes in this tick; rows see how far it takes each of its points
-//! Deform   advance  it is there; its net follows
+//! Deform   advance  it is there, a free one where contact let it go; its net follows
 //! ```
 //! What they press gives way as to any other surface, and slip counts relative to them, so that
 //! friction drags what lies on them along.
 
+use super::flight::{Flight, Gives, load_on};
 use super::scratch::{BodyScratch, Scratch, box_of};
 use super::state::{BodyState, SceneState};
 use crate::haptics::LinkPhase;
@@ -15,17 +16,26 @@ use crate::scene::{MovedBy, Mover, SPEED_MAX_M_S, Scene, TURNING_MAX_RAD_S, betw
 use palpate_geometry::math::{Point3, Pose, Rotation, Vector3, rotation_by, turn_between};
 use palpate_geometry::stateful;
 
-/// Where a rigid body that moves is, and where a command sends it.
+/// Where a rigid body that moves is, and what takes it on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RigidState {
     /// Ticks in which it could move: the time of its script.
     pub ticks: u64,
-    /// Origin of its frame in the world, m.
+    /// Origin of its frame in the world, m; of a free body: its centre of mass.
     pub position: Point3,
-    /// Of its frame.
+    /// Of its frame; of a free body: of its principal axes.
     pub rotation: Rotation,
-    /// Where a command sends it; from then on nothing else moves it.
-    pub sent: Sent,
+    /// What takes it on.
+    pub course: Course,
+}
+
+/// What takes a rigid body on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Course {
+    /// A command, once there was one; from then on nothing else does.
+    Sent(Sent),
+    /// Forces.
+    Free(Flight),
 }
 
 /// A way that a command asked for; of 0 ticks: none did.
@@ -58,12 +68,16 @@ stateful!(RigidState, |this, walk| {
         ticks,
         position,
         rotation,
-        sent,
+        course,
     } = this;
     walk.word(ticks)?;
     walk.point(position)?;
     walk.rotation(rotation)?;
-    walk.part(sent)
+    // Which of the two it is, the scene says.
+    match course {
+        Course::Sent(sent) => walk.part(sent),
+        Course::Free(flight) => walk.part(flight),
+    }
 });
 
 stateful!(Sent, |this, walk| {
@@ -88,12 +102,35 @@ impl RigidState {
             ticks: 0,
             position: Point3::from(mover.placement.translation.vector),
             rotation: mover.placement.rotation,
-            sent: Sent::default(),
+            course: match mover.free() {
+                Some(free) => Course::Free(Flight::start(free)),
+                None => Course::Sent(Sent::default()),
+            },
         }
     }
 
-    /// Sends it to a place, in so many ticks, or more if it would be too fast.
+    /// How it moves, when it is free.
+    pub fn flight(&self) -> Option<&Flight> {
+        match &self.course {
+            Course::Free(flight) => Some(flight),
+            Course::Sent(_) => None,
+        }
+    }
+
+    /// The same, to be changed.
+    pub(super) fn flight_mut(&mut self) -> Option<&mut Flight> {
+        match &mut self.course {
+            Course::Free(flight) => Some(flight),
+            Course::Sent(_) => None,
+        }
+    }
+
+    /// Sends it to a place, in so many ticks, or more if it would be too fast. A free body stays where it
+    /// is.
     pub(super) fn send(&mut self, to: (Point3, Rotation), ticks: u32, dt_s: f64) {
+        let Course::Sent(sent) = &mut self.course else {
+            return;
+        };
         // The smooth way is 15/8 as fast in its middle.
         let ticks_at = |length: f64, most: f64| (1.875 * length / (most * dt_s)).ceil() as u32;
         let ticks = ticks
@@ -102,7 +139,7 @@ impl RigidState {
                 turn_between(&self.rotation, &to.1).norm(),
                 TURNING_MAX_RAD_S,
             ));
-        self.sent = Sent {
+        *sent = Sent {
             from: (self.position, self.rotation),
             to,
             ticks: ticks.max(1),
@@ -113,24 +150,23 @@ impl RigidState {
     /// The same somewhere else, by so much (m, world axes).
     pub(super) fn moved(&self, by: &Vector3) -> Self {
         let mut moved = *self;
-        for place in [
-            &mut moved.position,
-            &mut moved.sent.from.0,
-            &mut moved.sent.to.0,
-        ] {
-            *place += by;
+        moved.position += by;
+        if let Course::Sent(sent) = &mut moved.course {
+            sent.from.0 += by;
+            sent.to.0 += by;
         }
         moved
     }
 
-    /// After the next tick.
+    /// After the next tick; a free body: if nothing touches it.
     fn next(&self, mover: &Mover, scene: &Scene, state: &SceneState) -> Self {
         let mut next = Self {
             ticks: self.ticks + 1,
             ..*self
         };
-        let sent = &mut next.sent;
-        if sent.ticks > 0 {
+        if let Course::Sent(sent) = &mut next.course
+            && sent.ticks > 0
+        {
             sent.done = (sent.done + 1).min(sent.ticks);
             let share = f64::from(sent.done) / f64::from(sent.ticks);
             (next.position, next.rotation) = match sent.done == sent.ticks {
@@ -157,8 +193,41 @@ impl RigidState {
                 let wanted = device * start.inverse() * mover.placement;
                 self.towards(&wanted, scene.dt_s)
             }
+            MovedBy::Forces(_) => return self.pushed(mover, scene, Default::default()),
         };
         next
+    }
+
+    /// A free body after the next tick, under a force (N) and a moment about its centre (N·m) of its
+    /// contacts.
+    fn pushed(&self, mover: &Mover, scene: &Scene, load: (Vector3, Vector3)) -> Self {
+        let (Some(free), Some(flight)) = (mover.free(), self.flight()) else {
+            return *self;
+        };
+        if flight.is_left_alone() {
+            return *self;
+        }
+        let gravity = Vector3::from(scene.spec.gravity.acceleration);
+        let here = (&self.position, &self.rotation);
+        let (position, rotation, flight) =
+            flight.after(here, free, &gravity, (&load.0, &load.1), scene.dt_s);
+        Self {
+            ticks: self.ticks + 1,
+            position,
+            rotation,
+            course: Course::Free(flight),
+        }
+    }
+
+    /// All of it is a number.
+    fn is_finite(&self) -> bool {
+        let moves = self.flight().is_none_or(|flight| {
+            (flight.velocity_m_s + flight.momentum)
+                .iter()
+                .all(|x| x.is_finite())
+        });
+        let placed = self.position.iter().chain(self.rotation.as_vector().iter());
+        moves && placed.into_iter().all(|x| x.is_finite())
     }
 
     /// As near to a placement as the speed of a body allows in a tick: a device that appears far off
@@ -187,6 +256,16 @@ impl RigidState {
     }
 }
 
+/// How a body turns in this tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Turn {
+    /// Each point goes where it will be.
+    Whole(Rotation),
+    /// Each point goes along its velocity, rad: what the turn of a free body lifts a point that rolls off
+    /// is no room for the next one to sink into.
+    Rate(Vector3),
+}
+
 /// How far a body goes in this tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RigidStep {
@@ -195,7 +274,7 @@ pub(super) struct RigidStep {
     /// Of that, m.
     shift: Vector3,
     /// About it.
-    turn: Rotation,
+    turn: Turn,
     /// Of the control point that goes farthest, m.
     pub most_m: f64,
 }
@@ -205,7 +284,7 @@ impl RigidStep {
     pub const NONE: Self = Self {
         from: Point3::new(0.0, 0.0, 0.0),
         shift: Vector3::new(0.0, 0.0, 0.0),
-        turn: Rotation::new_unchecked(nalgebra::Quaternion::new(1.0, 0.0, 0.0, 0.0)),
+        turn: Turn::Rate(Vector3::new(0.0, 0.0, 0.0)),
         most_m: 0.0,
     };
 
@@ -215,7 +294,10 @@ impl RigidStep {
             return Vector3::zeros();
         }
         let arm = point - self.from;
-        self.shift + (self.turn * arm - arm)
+        match self.turn {
+            Turn::Whole(turn) => self.shift + (turn * arm - arm),
+            Turn::Rate(turn) => self.shift + turn.cross(&arm),
+        }
     }
 }
 
@@ -224,8 +306,10 @@ impl RigidStep {
 pub(super) struct RigidScratch {
     /// Its net after the tick under way.
     net: Vec<Point3>,
-    /// Its state after it.
+    /// Its state after it; of a free body: if nothing touches it.
     next: RigidState,
+    /// What it gives way in it, when it is free.
+    pub(super) gives: Option<Gives>,
 }
 
 impl RigidScratch {
@@ -233,56 +317,92 @@ impl RigidScratch {
         Box::new(Self {
             net: net.to_vec(),
             next: RigidState::start(mover),
+            gives: None,
         })
     }
 }
 
 /// Finds where each body goes in this tick.
 pub(super) fn aim(scene: &Scene, state: &SceneState, scratch: &mut Scratch, moving: bool) {
-    for (b, body) in scene.bodies.iter().enumerate() {
-        let (Some(mover), Some(now)) = (&body.mover, &state.bodies[b].rigid) else {
-            continue;
-        };
-        let BodyScratch {
-            surface,
-            bounds,
-            step,
-            rigid,
-            ..
-        } = &mut scratch.bodies[b];
-        let Some(rigid) = rigid else { continue };
-        *step = RigidStep::NONE;
-        rigid.next = *now;
-        let current = surface.net().points();
-        let here = box_of(current);
-        *bounds = here;
-        if !moving {
-            continue;
-        }
-        rigid.next = now.next(mover, scene, state);
-        let rest = body.surface.net().points();
-        let mut most: f64 = 0.0;
-        for ((to, rest), from) in rigid.net.iter_mut().zip(rest).zip(current) {
-            *to = rigid.next.carry(mover, rest);
-            most = most.max((*to - from).norm_squared());
-        }
-        let there = box_of(&rigid.net);
-        *bounds = (here.0.inf(&there.0), here.1.sup(&there.1));
-        *step = RigidStep {
-            from: now.position,
-            shift: rigid.next.position - now.position,
-            turn: match rigid.next.rotation == now.rotation {
-                true => Rotation::identity(),
-                false => rigid.next.rotation * now.rotation.inverse(),
-            },
-            most_m: most.sqrt(),
-        };
+    for b in 0..scene.bodies.len() {
+        aim_body(scene, state, scratch, b, moving);
     }
 }
 
-/// Each body is where it was going.
-pub(super) fn advance(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) {
+/// The same for one of them.
+pub(super) fn aim_body(
+    scene: &Scene,
+    state: &SceneState,
+    scratch: &mut Scratch,
+    b: usize,
+    moving: bool,
+) {
+    let body = &scene.bodies[b];
+    let (Some(mover), Some(now)) = (&body.mover, &state.bodies[b].rigid) else {
+        return;
+    };
+    let BodyScratch {
+        surface,
+        bounds,
+        step,
+        rigid,
+        ..
+    } = &mut scratch.bodies[b];
+    let Some(rigid) = rigid else { return };
+    *step = RigidStep::NONE;
+    rigid.next = *now;
+    rigid.gives = mover
+        .free()
+        .map(|free| Gives::new(&free.mass, &now.position, &now.rotation, scene.dt_s));
+    let current = surface.net().points();
+    let here = box_of(current);
+    *bounds = here;
+    if !moving || now.flight().is_some_and(Flight::is_left_alone) {
+        return;
+    }
+    rigid.next = now.next(mover, scene, state);
+    let rest = body.surface.net().points();
+    let most = place(&rigid.next, mover, rest, current, &mut rigid.net);
+    let there = box_of(&rigid.net);
+    *bounds = (here.0.inf(&there.0), here.1.sup(&there.1));
+    *step = RigidStep {
+        from: now.position,
+        shift: rigid.next.position - now.position,
+        turn: match rigid.next.rotation == now.rotation {
+            _ if now.flight().is_some() => {
+                Turn::Rate(turn_between(&now.rotation, &rigid.next.rotation))
+            }
+            true => Turn::Whole(Rotation::identity()),
+            false => Turn::Whole(rigid.next.rotation * now.rotation.inverse()),
+        },
+        most_m: most,
+    };
+}
+
+/// Writes the net of a body in a state; how far from where its points are the farthest is, m.
+fn place(
+    state: &RigidState,
+    mover: &Mover,
+    rest: &[Point3],
+    current: &[Point3],
+    net: &mut [Point3],
+) -> f64 {
+    let mut most: f64 = 0.0;
+    for ((to, rest), from) in net.iter_mut().zip(rest).zip(current) {
+        *to = state.carry(mover, rest);
+        most = most.max((*to - from).norm_squared());
+    }
+    most.sqrt()
+}
+
+/// Each body is where it was going, or where contact let it go; false if one had to be set back to its
+/// start, because that was not finite.
+pub(super) fn advance(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) -> bool {
+    let mut sound = true;
     for (b, body) in scene.bodies.iter().enumerate() {
+        let load = scratch.bodies[b]
+            .gives()
+            .map(|gives| load_on(scratch, b, gives));
         let BodyState {
             rigid: Some(now),
             revision,
@@ -299,9 +419,19 @@ pub(super) fn advance(scene: &Scene, state: &mut SceneState, scratch: &mut Scrat
             rigid,
             ..
         } = &mut scratch.bodies[b];
-        let (Some(rigid), Some(_)) = (rigid, &body.mover) else {
+        let (Some(rigid), Some(mover)) = (rigid, &body.mover) else {
             continue;
         };
+        if let Some(load) = load {
+            rigid.next = now.pushed(mover, scene, load);
+            if !rigid.next.is_finite() {
+                rigid.next = RigidState::start(mover);
+                rigid.next.course = Course::Free(Flight::default());
+                sound = false;
+            }
+            let (rest, current) = (body.surface.net().points(), surface.net().points());
+            step.most_m = place(&rigid.next, mover, rest, current, &mut rigid.net);
+        }
         *now = rigid.next;
         *moved_m = step.most_m;
         if step.most_m > 0.0 {
@@ -311,6 +441,7 @@ pub(super) fn advance(scene: &Scene, state: &mut SceneState, scratch: &mut Scrat
         }
         *step = RigidStep::NONE;
     }
+    sound
 }
 
 /// Brings a body's buffers in line with its state.

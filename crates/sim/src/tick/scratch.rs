@@ -216,8 +216,10 @@ impl Scene {
         });
         let frictional = self.pairs.iter().any(|pair| pair.friction.is_some());
         let modes = deformables().map(|body| body.mode_count());
-        let (all_modes, most_modes) = modes.fold((0, 0), |(sum, most), m| (sum + m, most.max(m)));
-        let many = all_modes > 0 && most_rows > balance::MANY_ROWS;
+        let (soft_modes, most_modes) = modes.fold((0, 0), |(sum, most), m| (sum + m, most.max(m)));
+        let many = soft_modes > 0 && most_rows > balance::MANY_ROWS;
+        let free = (0..self.body_count()).filter(|&body| self.is_free(body));
+        let turns = balance::TURNS * free.count();
         let grips = self.tools.iter().any(|tool| tool.grip_n > 0.0);
         let frictional_rows = if frictional || grips || many {
             most_rows
@@ -236,8 +238,8 @@ impl Scene {
             friction: FrictionProblem::new(
                 frictional_rows,
                 self.tools.len(),
-                all_modes + self.pairs.len(),
-                2 * most_modes + 1,
+                soft_modes + turns + self.pairs.len(),
+                2 * most_modes.max(turns.min(balance::TURNS)) + 1,
             ),
             mode_moves: vec![Vector3::zeros(); most_modes],
             modes_along: vec![0.0; most_rows.min(balance::MANY_ROWS) * most_modes],

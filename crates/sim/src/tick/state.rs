@@ -297,6 +297,26 @@ impl Clone for BodyState {
     }
 }
 
+impl BodyState {
+    /// It lies at rest, and may be left alone with its contacts.
+    pub(super) fn lies_calm(&self) -> bool {
+        let free = self.rigid.as_ref().and_then(RigidState::flight);
+        self.deformable
+            .as_ref()
+            .is_some_and(|body| body.lies_calm())
+            || free.is_some_and(|flight| flight.lies_calm())
+    }
+
+    /// It is left alone.
+    pub(super) fn is_left_alone(&self) -> bool {
+        let free = self.rigid.as_ref().and_then(RigidState::flight);
+        self.deformable
+            .as_ref()
+            .is_some_and(|body| body.is_left_alone())
+            || free.is_some_and(|flight| flight.is_left_alone())
+    }
+}
+
 impl SceneState {
     /// Net of a body now, u-major, m; `out` is as long as the net of [`Scene::rest_surface`].
     pub fn copy_net(&self, scene: &Scene, body: usize, out: &mut [Point3]) {

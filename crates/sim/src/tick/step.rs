@@ -81,7 +81,7 @@ pub fn render(
     let wanted = state.run == RunState::Running;
     admit::admit(scene, state, input, wanted, output);
     rigid::aim(scene, state, scratch, moving);
-    gather::gather(scene, state, scratch);
+    gather::gather(scene, state, scratch, moving);
     balance::solve(scene, state, scratch);
     iterate::iterate(scene, state, scratch);
     emit::emit(scene, state, scratch, output);

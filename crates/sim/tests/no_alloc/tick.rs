@@ -510,3 +510,30 @@ fn a_tick_with_rigid_bodies_that_move_allocates_nothing() {
     assert!((400..1_400).contains(&touched), "{touched} ticks in touch");
     assert_eq!(count, 0);
 }
+
+/// A ball rolls on a plate, under a pen that pushes it, and comes to a soft one.
+#[test]
+fn a_tick_with_free_rigid_bodies_allocates_nothing() {
+    let mut world = World::new(
+        "[gravity]\nacceleration = [0.0, 0.0, -9.81]\n\
+         [[body]]\nid = \"plate\"\nsurface = { builtin = \"sheet\", size = 0.4 }\n\
+         [[body]]\nid = \"ball\"\nsurface = { builtin = \"sphere\", size = 0.02 }\npose = { position = [0.0, 0.0, 0.0201] }\n\
+         free = true\nspin_rad_s = [0.0, 20.0, 5.0]\n\
+         [[body]]\nid = \"soft\"\nsurface = { builtin = \"sphere\", size = 0.02 }\npose = { position = [0.05, 0.0, 0.0201] }\n\
+         model = \"lattice\"\nlattice = { layers = 2, refine = \"none\" }\n\
+         [[contact]]\npair = [\"ball\", \"plate\"]\nfriction = { mu = 0.4 }\n\
+         [[tool]]\nid = \"pen\"\nshape = { sphere = { radius_m = 0.005 } }\npose = { position = [-0.05, 0.0, 0.02] }\n",
+    );
+    for _ in 0..5 {
+        world.at_in_place([-0.05, 0.0, 0.02]);
+    }
+    let mut touched = 0;
+    let count = allocations(|| {
+        for k in 0..600 {
+            let out = world.at_in_place([-0.05 + 2e-4 * f64::from(k), 0.0, 0.02]);
+            touched += out.contacts.list().len();
+        }
+    });
+    assert!(touched > 300, "{touched} contacts");
+    assert_eq!(count, 0);
+}

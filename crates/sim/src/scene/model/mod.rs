@@ -17,11 +17,12 @@ mod values;
 
 pub(crate) use common::Choice;
 pub use names::ModelSpec;
+pub(super) use values::launch_of;
 
 use super::door::At;
-use super::mover;
 use super::spec::{BodySpec, SceneSpec};
 use super::{Body, BodyModel, Tool};
+use super::{free, mover};
 use crate::body::{Deformable, DeformableError, Material, StepSettings};
 use palpate_geometry::math::Pose;
 use palpate_geometry::surface::Surface;
@@ -89,7 +90,10 @@ pub(super) fn build(
     let surface = spec.surface.surface(&at.key("surface"));
     let values = values::check(spec, at);
     let placement = placement?;
-    let mover = mover::build(scene, spec, &placement, at);
+    let moved = match spec.free {
+        true => Some(None),
+        false => mover::build(scene, spec, &placement, at),
+    };
     let original = surface?.oriented_outward().transformed(&placement);
     // Copies of a branching surface move together, so they start equal bit for bit.
     let original = if original.joints().is_some() {
@@ -98,6 +102,10 @@ pub(super) fn build(
         original
     };
     let Values { material, held } = values?;
+    let mover = match spec.free {
+        true => free::build(scene, spec, &original, material.density_kg_m3, at).map(Some),
+        false => moved,
+    };
     let original_net = [original.net().rows(), original.net().columns()];
     let two_sided = !original.topology().is_closed();
     let size_m = original.size();

@@ -17,9 +17,9 @@ impl Model for Rigid {
             ("velocity_m_s", body.spec.velocity_m_s),
             ("spin_rad_s", body.spec.spin_rad_s),
         ] {
-            if value != [0.0; 3] {
+            if value != [0.0; 3] && !body.spec.free {
                 return body.at.key(key).refused(
-                    "only deforming bodies start with a velocity; rigid ones go where their `motion` says",
+                    "only deforming bodies and free ones start with a velocity; other rigid ones go where their `motion` says: set free = true or drop it",
                 );
             }
         }

@@ -88,12 +88,9 @@ const MOST_LAUNCH: [f64; 2] = [100.0, 1_000.0];
 /// Their keys and units.
 const LAUNCH: [(&str, &str); 2] = [("velocity_m_s", "m/s"), ("spin_rad_s", "rad/s")];
 
-/// Gives a body the velocities that it starts with.
-pub(super) fn launch(spec: &BodySpec, body: &mut Deformable, at: &At<'_>) -> Option<()> {
+/// The velocities that a body starts with: m/s, and rad/s.
+pub(in crate::scene) fn launch_of(spec: &BodySpec, at: &At<'_>) -> Option<[Vector3; 2]> {
     let launch = [spec.velocity_m_s, spec.spin_rad_s].map(Vector3::from);
-    if launch == [Vector3::zeros(); 2] {
-        return Some(());
-    }
     for (k, value) in launch.iter().enumerate() {
         if value.norm().is_nan() || value.norm() > MOST_LAUNCH[k] {
             let (name, unit) = LAUNCH[k];
@@ -103,6 +100,15 @@ pub(super) fn launch(spec: &BodySpec, body: &mut Deformable, at: &At<'_>) -> Opt
                 [value.x, value.y, value.z]
             ));
         }
+    }
+    Some(launch)
+}
+
+/// Gives a body the velocities that it starts with.
+pub(super) fn launch(spec: &BodySpec, body: &mut Deformable, at: &At<'_>) -> Option<()> {
+    let launch = launch_of(spec, at)?;
+    if launch == [Vector3::zeros(); 2] {
+        return Some(());
     }
     let first = usize::from(launch[0] == Vector3::zeros());
     at.key(LAUNCH[first].0)

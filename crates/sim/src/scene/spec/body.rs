@@ -19,7 +19,7 @@ pub struct BodySpec {
     /// How it moves, and what moves it.
     #[serde(default)]
     pub model: ModelSpec,
-    /// What it is made of; deforming models use it.
+    /// What it is made of; deforming models use it, and of a free rigid body its density.
     #[serde(default)]
     pub material: MaterialSpec,
     /// Parts of another material; of several that contain a cell the last counts.
@@ -34,7 +34,7 @@ pub struct BodySpec {
     /// Nodes that never move.
     #[serde(default)]
     pub fixed: Vec<FixedSpec>,
-    /// Velocity with which a deforming body starts that nothing holds; in the world.
+    /// Velocity with which a body starts that nothing holds, deforming or free; in the world.
     #[serde(default, skip_serializing_if = "is_zero")]
     #[schemars(extend("x-default" = "[0, 0, 0]"))]
     pub velocity_m_s: [f64; 3],
@@ -45,6 +45,10 @@ pub struct BodySpec {
     /// Whether the body can touch itself.
     #[serde(default)]
     pub self_contact: bool,
+    /// Of a rigid body with a closed surface: it has a mass, falls, turns, and contact moves it.
+    #[serde(default, skip_serializing_if = "is_false")]
+    #[schemars(extend("x-default" = "false"))]
+    pub free: bool,
     /// Of a rigid body: where it goes by itself.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub motion: Option<MotionSpec>,
@@ -408,6 +412,10 @@ pub enum FixedSpec {
         /// From and to in v.
         v: [f64; 2],
     },
+}
+
+fn is_false(value: &bool) -> bool {
+    !value
 }
 
 fn is_zero(values: &[f64; 3]) -> bool {

@@ -1,0 +1,68 @@
+//! Where a free rigid body lies on another rigid one.
+//!
+//! A ring that lies flat touches along a circle, and a query answers with few points of it. With those
+//! rows alone it would tip over them, to be found elsewhere in the next tick: it would rock for ever. So
+//! the points of the free body, the pair's holder, that touched are remembered in its principal axes, and
+//! each is looked up again where the body now is, by descent from its last foot. A point of a body may
+//! never be inside of another, so such a row is right wherever the body has rolled to meanwhile.
+
+use super::Scratch;
+use super::feet::margin_m;
+use super::flight::{Gives, is_between_rigid, on_holder as place_on_holder};
+use super::scratch::BodyScratch;
+use super::state::WarmRow;
+use crate::scene::Scene;
+use crate::solve::rows::{Holder, Row};
+use palpate_geometry::contact::Contact;
+use palpate_geometry::math::Vector3;
+
+/// A foot this far aside from straight below its point, relative to the size of its body, is on a rim.
+const ASIDE: f64 = 1e-6;
+
+/// Nearer than this a contact is remembered, m.
+pub(super) fn near_m(scene: &Scene, row: &Row) -> f64 {
+    let size = |body: u32| scene.bodies[body as usize].size_m;
+    let own = size(row.body);
+    let other = match row.holder {
+        Holder::Body(other) => size(other),
+        Holder::Tool(_) => own,
+    };
+    margin_m(0.0, own.min(other))
+}
+
+/// Where a row touches a free holder, from its centre of mass in its principal axes, m.
+pub(super) fn on_holder(scene: &Scene, scratch: &Scratch, row: &Row) -> Option<Vector3> {
+    let Holder::Body(other) = row.holder else {
+        return None;
+    };
+    let gives = scratch.bodies[other as usize].gives()?;
+    is_between_rigid(scene, row).then(|| gives.to_body(&place_on_holder(row)))
+}
+
+/// The contact of a point that touched in the last tick, where it now is; `side` is −1 below a sheet.
+pub(super) fn again(
+    remembered: &WarmRow,
+    holder: &Gives,
+    on: &BodyScratch,
+    size_m: f64,
+    side: f64,
+) -> Option<Contact> {
+    let point = holder.to_world(&remembered.on_tool);
+    let [u, v] = remembered.uv;
+    let foot = on.solver.local(&on.surface, &point, u, v)?;
+    let normal = foot.normal * side;
+    let away = point - foot.point;
+    let gap_m = away.dot(&normal);
+    let aside = (away - normal * gap_m).norm();
+    // Beside a rim, far off, or no number.
+    let faces = aside < ASIDE * size_m && gap_m.abs() < size_m;
+    faces.then_some(Contact {
+        u: foot.u,
+        v: foot.v,
+        on_body: foot.point,
+        on_tool: point,
+        normal,
+        depth_m: -gap_m,
+        tool_uv: Some([0.0; 2]),
+    })
+}
