@@ -21,7 +21,14 @@ pub enum Inside {
     Continuum,
     /// The same, for nodes that few smooth coordinates move.
     SmoothContinuum,
+    /// The same in cells that are much longer than thick, with this ν in place of the material's if
+    /// there is one. With all of its energy at Gauss points, such a cell locks in bending.
+    FlatContinuum(Option<f64>),
 }
+
+/// Share of a flat cell's energy that is taken at its Gauss points: bending a cell of length l in a plate
+/// of thickness t costs ½ (l / t)² of that too much, and shapes without any other energy are held.
+const SHARE_AT_POINTS: f64 = 0.02;
 
 /// A solid to be built.
 pub struct Solid<'a, M: Fn(usize) -> Material> {
@@ -101,6 +108,23 @@ impl<'a, M: Fn(usize) -> Material> Solid<'a, M> {
                 law.with_barrier(VolumeBarrier::new(&grid.nodes, &grid.cells, young_pa))
             }
             Inside::Continuum => MaterialLaw::continuum(ContinuumLaw::new(grid, &of_cells())?),
+            Inside::FlatContinuum(poisson) => {
+                let share = |share: f64| -> Vec<Elastic> {
+                    let of = |elastic: Elastic| Elastic {
+                        young_pa: share * elastic.young_pa,
+                        poisson: poisson.unwrap_or(elastic.poisson),
+                    };
+                    of_cells().into_iter().map(of).collect()
+                };
+                let share_at_points = std::env::var("SHARE")
+                    .ok()
+                    .and_then(|x| x.parse().ok())
+                    .unwrap_or(SHARE_AT_POINTS);
+                MaterialLaw::flat_continuum(
+                    ContinuumLaw::at_centres(grid, &share(1.0 - share_at_points))?,
+                    ContinuumLaw::new(grid, &share(share_at_points))?,
+                )
+            }
             // Smooth coordinates leave cells no motion without energy: one point a cell is enough.
             Inside::SmoothContinuum => {
                 MaterialLaw::continuum(ContinuumLaw::at_centres(grid, &of_cells())?)

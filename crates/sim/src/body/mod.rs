@@ -32,6 +32,7 @@ mod membrane;
 mod neighbours;
 pub mod net;
 mod node_map;
+pub mod opposite;
 mod plastic;
 mod quality;
 mod rigid_motion;

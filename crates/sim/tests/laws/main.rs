@@ -23,4 +23,5 @@ mod refinement;
 mod resting;
 mod rigid;
 mod sides;
+mod thin;
 mod vessel;
