@@ -13,7 +13,7 @@ use super::springs::{self, SpringRule};
 use palpate_geometry::math::Point3;
 
 /// What acts between the nodes of cells.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Inside {
     /// Springs between nodes.
     Springs(SpringRule),

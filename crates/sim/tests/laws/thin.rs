@@ -2,11 +2,6 @@
 
 use crate::common::World;
 use palpate_geometry::surface::Surface;
-use palpate_sim::body::DeformableState;
-
-fn body(world: &World) -> &DeformableState {
-    world.state.bodies[0].deformable.as_ref().unwrap()
-}
 
 /// A closed body turned about z from a profile (radius, z) of a clamped cubic, then stretched: text
 /// of a surface.
@@ -209,7 +204,7 @@ impl Top for World {
     fn surface_z(&self) -> f64 {
         let body = self.state.bodies[0].deformable.as_ref().unwrap();
         let map = self.scene.deformable(0).unwrap();
-        body.positions[map.coordinate_of_control()[0] as usize].z
+        body.positions[map.coordinate_of_control(0)].z
     }
 }
 
@@ -245,5 +240,50 @@ fn probe_thin() {
             };
             println!("{name} {model} {layers} {refine}: {}", sag(&thin));
         }
+    }
+}
+
+#[test]
+fn probe_own_weight() {
+    for (model, side, layers) in [
+        ("lattice", 8, 5),
+        ("lattice", 8, 3),
+        ("lattice", 12, 5),
+        ("continuum", 8, 5),
+    ] {
+        let text = format!(
+            r#"
+[gravity]
+acceleration = [0.0, 0.0, -9.81]
+[[body]]
+id = "slab"
+surface = {{ builtin = "sheet", net = [{side}, {side}], size = 0.1 }}
+model = "{model}"
+material = {{ preset = "jelly" }}
+lattice = {{ layers = {layers}, refine = "none", thickness_m = 0.03 }}
+fixed = [{{ point = [0.0, 0.0, -0.0299], normal = [0.0, 0.0, 1.0] }}]
+{FAR}"#
+        );
+        let mut world = World::new(&text);
+        world.rest(|world| _ = world.at_in_place([0.0, 0.0, 1.0]), 3_000);
+        let mut surface = world.scene.rest_surface(0).clone();
+        let body = world.state.bodies[0].deformable.as_ref().unwrap();
+        let map = world.scene.deformable(0).unwrap();
+        let count = surface.net().points().len();
+        let z: Vec<f64> = (0..count)
+            .map(|k| body.positions[map.coordinate_of_control(k)].z)
+            .collect();
+        let _ = &mut surface;
+        let middle = z.iter().map(|z| -z).fold(f64::INFINITY, f64::min);
+        let (young, density) = (6e3, 1_050.0);
+        let nu: f64 = if model == "lattice" { 0.25 } else { 0.45 };
+        let confined = young * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu));
+        let column = density * 9.81 * 0.03 * 0.03 / 2.0;
+        println!(
+            "{model} {side} {layers}: sags {:.3} mm (least of controls) of {:.3} .. {:.3}",
+            middle * 1e3,
+            column / confined * 1e3,
+            column / young * 1e3
+        );
     }
 }
