@@ -164,7 +164,7 @@ pub(super) fn rings_about(
                 // Shared nodes stand where the first of their ring does.
                 let target = match rings.medial {
                     Medial::Curve => medial[j],
-                    _ => medial[j * around + i],
+                    Medial::Surface => medial[j * around + i],
                 };
                 let place = target + (points[rings.control(i, j)] - target) * shrink;
                 nodes[node[(layer * along + j) * around + i] as usize] = place;
@@ -201,13 +201,12 @@ pub fn ring_nodes(rings: &Rings, layers: usize) -> Vec<u32> {
                     node[at(layer, j, i)] = node[at(layer, j, 0)];
                     continue;
                 }
-                if layer > 0 && rings.is_rim(i, j) {
+                if layer > 0 && rings.is_rim(j) {
                     node[at(layer, j, i)] = node[at(0, j, i)];
                     continue;
                 }
-                let (k, l) = rings.opposite(i, j);
-                if innermost && (l, k) < (j, i) {
-                    node[at(layer, j, i)] = node[at(layer, l, k)];
+                if innermost && rings.is_flat() && rings.opposite(j) < j {
+                    node[at(layer, j, i)] = node[at(layer, rings.opposite(j), i)];
                     continue;
                 }
                 node[at(layer, j, i)] = count;
@@ -230,8 +229,8 @@ pub fn ring_cells(rings: &Rings, layers: usize) -> Vec<Cell> {
     let steps_along = if ends.axis_closed { along } else { along - 1 };
     let mut cells = Vec::with_capacity(layers * steps_along * around);
     for layer in 0..layers {
-        for j in 0..steps_along {
-            for i in (0..around).filter(|&i| !rings.is_closed_up(i, j)) {
+        for j in (0..steps_along).filter(|&j| !rings.is_closed_up(j)) {
+            for i in 0..around {
                 cells.push(std::array::from_fn(|corner| {
                     let (dl, dj, di) = (corner >> 2, (corner >> 1) & 1, corner & 1);
                     node[((layer + dl) * along + (j + dj) % along) * around + (i + di) % around]
@@ -244,7 +243,7 @@ pub fn ring_cells(rings: &Rings, layers: usize) -> Vec<Cell> {
 
 /// How far the medial curve ends before its poles.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Insets {
+struct Insets {
     /// At the first and the last end, in largest ring radii.
     radii: [f64; 2],
     /// The points between give way as (1 − s)^decay, s the share of the length from that end.
@@ -254,11 +253,6 @@ pub(super) struct Insets {
 impl Insets {
     const EVEN: Self = Self {
         radii: [0.5; 2],
-        decay: 1,
-    };
-    /// The centroids themselves.
-    pub(super) const NONE: Self = Self {
-        radii: [0.0; 2],
         decay: 1,
     };
 }
@@ -277,7 +271,7 @@ const LEAST_STEP: f64 = 0.25;
 
 /// One point a ring: along the polygon of ring centroids, drawn in at each pole (by 0.4 of the
 /// length at most).
-pub(super) fn medial_curve(points: &[Point3], rings: &Rings, insets: &Insets) -> Vec<Point3> {
+fn medial_curve(points: &[Point3], rings: &Rings, insets: &Insets) -> Vec<Point3> {
     let Rings {
         around,
         along,

@@ -16,6 +16,7 @@ mod cube;
 #[cfg(test)]
 mod cube_tests;
 mod deformable;
+mod excess;
 mod explicit;
 mod exterior;
 mod field;

@@ -10,7 +10,6 @@
 use super::cells::CellGrid;
 use super::layers::{self, Rings};
 use super::node_map::NodeMap;
-use super::opposite::{self, Medial};
 use palpate_geometry::basis::KnotVector;
 use palpate_geometry::math::{Point3, Vector3};
 
@@ -131,22 +130,7 @@ pub fn rings(
         (coordinates, coarse.node_of_control)
     };
     let mut fine = Rings::seamless(around.rows.len(), along.rows.len(), shape.ends);
-    fine.medial = match shape.medial {
-        Medial::Sides(_) => {
-            let outer = |i: usize, j: usize| {
-                let places = along.rows[j].iter().flat_map(|&(b_index, b)| {
-                    let ring = around.rows[i].iter();
-                    ring.map(move |&(c_index, c)| {
-                        points[shape.control(c_index as usize, b_index as usize)].coords * (b * c)
-                    })
-                });
-                Point3::from(places.sum::<Vector3>())
-            };
-            let (around, along) = (fine.around, fine.along);
-            Medial::Sides(opposite::sum_of_opposites(outer, around, along))
-        }
-        other => other,
-    };
+    fine.medial = shape.medial;
     let fine_layers = depth.rows.len() - 1;
     let fine_index = layers::ring_nodes(&fine, fine_layers);
     let count = fine_index.iter().max().map_or(0, |&last| last as usize + 1);
@@ -285,7 +269,7 @@ mod tests {
             },
             u_around: true,
             columns: 5,
-            medial: Medial::Curve,
+            medial: Default::default(),
         };
         let depth = Axis::depth(3, 5);
         let points = sphere.net().points();

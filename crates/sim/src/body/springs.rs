@@ -9,7 +9,7 @@
 //! isotropic membrane with ν = 1/3; with the area A of a cell, every cell gives each of its edges
 //! 3/8 E t A / l² and each diagonal twice that.
 
-use super::cells::{Cell, CellGrid, EDGES, FACES};
+use super::cells::{CellGrid, EDGES, FACES};
 use palpate_geometry::math::Point3;
 use std::collections::BTreeMap;
 
@@ -86,12 +86,8 @@ pub fn from_cells(
     };
     for (c, cell) in grid.cells.iter().enumerate() {
         let scale = young_pa(c) * grid.volume(cell);
-        let by_axis = match rule {
-            SpringRule::Moduli if std::env::var("RULE").is_ok() => edges_of_box(&grid.nodes, cell),
-            _ => [1.0; 3],
-        };
-        for (k, [i, j]) in EDGES.into_iter().enumerate() {
-            shares.add(cell[i], cell[j], edge * scale * by_axis[k / 4]);
+        for [i, j] in EDGES {
+            shares.add(cell[i], cell[j], edge * scale);
         }
         for face in FACES {
             if !collapsed(face.map(|i| cell[i])) {
@@ -102,33 +98,6 @@ pub fn from_cells(
     }
     shares.springs()
 }
-
-/// What edges along the three axes of a cell get, over what those of a cube get, so that its modulus
-/// C_aaaa along each axis is that of the solid, 1.2 E: of a box of sides a, b, c the face diagonals make 1.6
-/// E (a⁴ / (a² + b²)² + a⁴ / (a² + c²)²) of it. Sides so long that this is more keep [`LEAST_EDGE`].
-fn edges_of_box(nodes: &[Point3], cell: &Cell) -> [f64; 3] {
-    let squares: [f64; 3] = std::array::from_fn(|axis| {
-        let edges = &EDGES[4 * axis..4 * axis + 4];
-        let length =
-            |[i, j]: [usize; 2]| (nodes[cell[i] as usize] - nodes[cell[j] as usize]).norm();
-        let mean = edges.iter().map(|&edge| length(edge)).sum::<f64>() / 4.0;
-        mean * mean
-    });
-    if squares.iter().any(|&square| !(square > 0.0)) {
-        return [1.0; 3];
-    }
-    std::array::from_fn(|axis| {
-        let others = (0..3).filter(|&other| other != axis);
-        let diagonals = others.map(|other| {
-            let share = squares[axis] / (squares[axis] + squares[other]);
-            1.6 * share * share
-        });
-        ((1.2 - diagonals.sum::<f64>()) / 0.4).max(LEAST_EDGE)
-    })
-}
-
-/// Least share of the stiffness of a cube's edges.
-const LEAST_EDGE: f64 = 0.1;
 
 /// All springs of a sheet of quadrilaterals (corners in order around). `young_thickness`: E t, N/m.
 pub fn from_quads(nodes: &[Point3], quads: &[[u32; 4]], young_thickness: f64) -> Vec<Spring> {

@@ -49,7 +49,7 @@ pub(super) fn layout(surface: &Surface, topology: &Topology) -> Option<Rings> {
     Some(rings.with_medial(surface.net().points()))
 }
 
-/// True for a closed body or a tube that is much wider than thick.
+/// True for a closed body whose layers stand between its two sides.
 pub(super) fn is_flat(surface: &Surface) -> bool {
     layout(surface, &surface.topology()).is_some_and(|rings| rings.is_flat())
 }

@@ -20,7 +20,7 @@ pub(super) fn of_builder<'a>(
     }
 }
 
-/// True for layers of a body that is much wider than thick.
+/// True for layers between the two sides of a flat body.
 pub(super) fn has_flat_layers(body: &Inputs<'_>, surface: &Surface) -> bool {
     body.spec.lattice.builder == BuilderSpec::Layers && is_flat(surface)
 }

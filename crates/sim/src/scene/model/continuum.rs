@@ -12,7 +12,7 @@ impl Model for Continuum {
         common::deforming(body, common::NODE_BUDGET, |surface| {
             let moved = cells::of_builder(body, surface);
             let inside = match cells::has_flat_layers(body, surface) {
-                true => Inside::FlatContinuum(None),
+                true => Inside::FlatContinuum,
                 false => Inside::Continuum,
             };
             common::solid(body, surface, inside, moved)

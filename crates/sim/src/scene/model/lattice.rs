@@ -23,13 +23,10 @@ fn inside(body: &Inputs<'_>, surface: &Surface) -> Inside {
     let rule = rule(&body.spec.material);
     let like_springs = rule == SpringRule::Moduli && body.material.stiffening.is_none();
     if like_springs && cells::has_flat_layers(body, surface) {
-        return Inside::FlatContinuum(Some(SPRINGS_POISSON));
+        return Inside::FlatSprings;
     }
     Inside::Springs(rule)
 }
-
-/// ν of springs.
-const SPRINGS_POISSON: f64 = 0.25;
 
 fn rule(material: &MaterialSpec) -> SpringRule {
     match material.springs {
