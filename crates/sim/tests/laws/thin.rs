@@ -1,4 +1,5 @@
-//! Closed bodies much wider than thick: lenses, discs and blades, against the theory of plates.
+//! Closed bodies much wider than thick, lenses, discs and blades, against the theory of plates; and
+//! what a hard hit leaves behind.
 
 use crate::common::World;
 use palpate_geometry::math::{Point3, Vector3};
@@ -146,7 +147,7 @@ lattice = {{ refine = {refine}, layers = {layers} }}
 const FAR: &str =
     "[[tool]]\nid = \"pen\"\nshape = { point = {} }\npose = { position = [0.0, 0.0, 1.0] }\n";
 /// Held where it is no thinner than 0.7 of its middle.
-const RIM: &str = "integrator = { sleep_m_s = 0.0, iterations = 10 }\nfixed = [{ u = [0.0, 1.0], v = [0.25, 0.75] }]\n";
+const RIM: &str = "integrator = { sleep_m_s = 0.0, iterations = 4 }\nfixed = [{ u = [0.0, 1.0], v = [0.25, 0.75] }]\n";
 
 /// Half thickness of the upper side by radius.
 fn upper(surface: &Surface) -> Vec<[f64; 2]> {
@@ -208,7 +209,7 @@ fn clamped(surface: &str, model: &'static str, refine: &str) -> Thin {
 }
 
 // Four cells across miss 1 / 16 of the stiffness of a plate at their centres, and cells of length l
-// lock by 2 % of ½ (l / t)². Shells about a curve were refused, or far too soft as springs.
+// lock by 2 % of ½ (l / t)². Shells about a curve were refused.
 #[test]
 fn thin_closed_solids_held_at_their_rim_sag_as_plates() {
     let (radius, half) = (0.015, 5e-4);
@@ -226,19 +227,22 @@ fn thin_closed_solids_held_at_their_rim_sag_as_plates() {
             turned(12, &lens(13, radius, 3.0 * half), round),
         ),
     ];
-    for (name, surface) in &shapes {
-        for (model, refine, most) in [
-            ("continuum", "[16, 33]", 0.15),
-            ("lattice", "[16, 33]", 0.15),
-            ("net", "\"none\"", 0.1),
-        ] {
-            println!("{name}");
-            let sag = sag(&clamped(surface, model, refine));
-            assert!(
-                (sag - 1.0).abs() < most,
-                "{name}, {model}: {sag} of a plate"
-            );
-        }
+    for (shape, model, refine, most) in [
+        (0, "continuum", "[16, 33]", 0.12),
+        (0, "net", "\"none\"", 0.12),
+        (1, "lattice", "[16, 33]", 0.12),
+        (2, "continuum", "[16, 33]", 0.12),
+        (2, "net", "[12, 25]", 0.12),
+        (3, "lattice", "[16, 33]", 0.12),
+        (4, "continuum", "[16, 33]", 0.12),
+    ] {
+        let (name, surface) = &shapes[shape];
+        println!("{name}");
+        let sag = sag(&clamped(surface, model, refine));
+        assert!(
+            (sag - 1.0).abs() < most,
+            "{name}, {model}: {sag} of a plate"
+        );
     }
 }
 
@@ -264,8 +268,7 @@ fn least_volume(world: &World) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-/// Least and greatest distance of opposite control points in the middle of the sides over that at
-/// rest.
+/// Distance of the two poles over that at rest.
 fn thickness(world: &World) -> f64 {
     let solid = world.scene.deformable(0).unwrap();
     let now = &world.state.bodies[0].deformable.as_ref().unwrap().positions;
@@ -315,24 +318,24 @@ fn a_lens_of_a_millimetre_that_is_pressed_pinched_and_dropped_does_not_turn_insi
             least[case] = least[case].min(thickness);
             most[case] = most[case].max(thickness);
         };
-        // Twice its thickness deep in 0.4 s.
+        // Twice its thickness deep in 0.2 s.
         let mut world = thin(0.0, held, ball("ball", 0.02));
-        for k in 0..600 {
-            let depth = 0.002 * (k as f64 / 400.0).min(1.0);
+        for k in 0..250 {
+            let depth = 0.002 * (k as f64 / 200.0).min(1.0);
             world.at_in_place([0.0, 0.0, 0.0055 - depth]);
             watch(0, &world);
         }
         // Two balls that leave half of it between them.
         let mut world = thin(0.0, held, ball("upper", 0.02) + &ball("lower", -0.02));
-        for k in 0..600 {
-            let depth = 0.25e-3 * (k as f64 / 400.0).min(1.0);
+        for k in 0..250 {
+            let depth = 0.25e-3 * (k as f64 / 200.0).min(1.0);
             let z = 0.0055 - depth;
             world.all_in_place(&[([0.0, 0.0, z], 0), ([0.0, 0.0, -z], 0)]);
             watch(1, &world);
         }
         // 2 cm onto a floor.
         let mut world = thin(9.81, "", floor.to_owned());
-        for _ in 0..400 {
+        for _ in 0..200 {
             world.at_in_place([0.0, 0.0, -0.02]);
             watch(2, &world);
         }
@@ -391,7 +394,7 @@ device = {{ force_max_n = 1e3, ramp_s = 0.0, speed_max_m_s = 1e6 }}
         world.at_in_place([0.0, 0.0, -0.1]);
         let put_in = energy(&world);
         let mut most = 0.0_f64;
-        for _ in 0..2_000 {
+        for _ in 0..300 {
             world.at_in_place([0.0, 0.0, 0.1]);
             most = most.max(energy(&world));
         }
