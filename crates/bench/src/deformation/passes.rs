@@ -212,6 +212,7 @@ fn builds(effort: Effort, wanted: &dyn Fn(&str) -> bool, out: &mut dyn FnMut(Row
             },
             u_around: true,
             columns: fine.net().columns(),
+            medial: Default::default(),
         };
         let build = || layers::rings_at_best(fine.net().points(), &rings, 4);
         let mut grid = None;

@@ -9,6 +9,7 @@ mod queries;
 
 use super::calm::Outline;
 use super::columns;
+use super::excess;
 use super::field::Field;
 use super::implicit::{ImplicitScratch, ImplicitStep};
 use super::material::Plastic;
@@ -390,6 +391,19 @@ impl Deformable {
                 *load = scratch.field.at(x, v) * *m;
             }
         }
+        let before_j = (scratch.implicit.caution.held).then(|| self.whole_energy_j(state, scratch));
+        let mut given_j = 0.0;
+        if before_j.is_some() {
+            let moved = |c: usize| scratch.reached[c] - state.positions[c];
+            for &coordinate in &matter.coordinate_of_unknown {
+                let c = coordinate as usize;
+                let felt = (scratch.field).at(&state.positions[c], &state.velocities[c]);
+                given_j += felt.dot(&moved(c)) * matter.masses[c];
+            }
+            for &(coordinate, force) in &scratch.carried {
+                given_j += force.dot(&moved(coordinate as usize));
+            }
+        }
         let inverse_dt = 1.0 / matter.settings.dt_s;
         for &coordinate in &matter.coordinate_of_unknown {
             let coordinate = coordinate as usize;
@@ -404,6 +418,25 @@ impl Deformable {
         if let Some(before) = before {
             self.keep_momentum(&before, state, scratch);
         }
+        if let Some(before_j) = before_j {
+            let excess_j = self.whole_energy_j(state, scratch) - before_j - given_j;
+            excess::take(matter, &state.positions, &mut state.velocities, excess_j);
+        }
+    }
+
+    /// Elastic and kinetic energy of the state, J, by the buffers of the scratch.
+    fn whole_energy_j(&self, state: &DeformableState, scratch: &mut DeformableScratch) -> f64 {
+        let DeformableScratch {
+            coordinates, nodes, ..
+        } = scratch;
+        excess::energy_j(
+            &self.matter,
+            self.matter.rest_lengths(state),
+            &state.positions,
+            &state.velocities,
+            coordinates,
+            nodes,
+        )
     }
 
     /// Gives a free body the momentum that it had and what acted on it in the step.

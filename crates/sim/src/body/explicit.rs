@@ -3,14 +3,14 @@
 //! With the greatest frequency ω and the damping time d, a substep h is stable while h² ω² + 2 h d
 //! ω² ≤ 4.
 
+use super::excess;
 use super::implicit::greatest_frequency_squared;
 use super::look_ahead::LookAhead;
 use super::matter::{Matter, lanes};
-use super::node_map::NodeMap;
-use super::rigid_motion::{Momentum, RigidVelocity};
+use super::rigid_motion::Momentum;
 use super::settings::DeformableError;
 use super::state::{DeformableScratch, DeformableState};
-use palpate_geometry::math::{Lane, Vector3};
+use palpate_geometry::math::Vector3;
 
 /// Most substeps of a step.
 pub(super) const MOST_SUBSTEPS: usize = 20_000;
@@ -96,72 +96,25 @@ impl Explicit {
     }
 }
 
-/// Forces of cells that are held back are no gradient of an energy, and pump: without damping a body
-/// that is hit hard once scrambles itself within seconds. What a step has more than before, and was
-/// not given by loads, is taken from the motion within the body; its momentum stays.
+/// Takes what cells that are held back have made, see [`excess`].
 fn take_excess(matter: &Matter, state: &DeformableState, scratch: &mut DeformableScratch) {
-    let before_j = energy_j(matter, state, scratch, true);
-    let after_j = energy_j(matter, state, scratch, false);
     let DeformableScratch {
         predicted,
         speed,
         forces,
         field,
+        coordinates,
+        nodes,
         ..
     } = scratch;
+    let rest = matter.rest_lengths(state);
+    let (places, speeds) = (&state.positions, &state.velocities);
+    let before_j = excess::energy_j(matter, rest, places, speeds, coordinates, nodes);
+    let after_j = excess::energy_j(matter, rest, predicted, speed, coordinates, nodes);
     let mut given_j = 0.0;
     for (c, (to, from)) in predicted.iter().zip(&state.positions).enumerate() {
         let weight = field.at(to, &speed[c]) * matter.masses[c];
         given_j += (forces[c] + weight).dot(&(to - from));
     }
-    let excess_j = after_j - before_j - given_j;
-    if excess_j.is_nan() || excess_j <= 0.0 {
-        return;
-    }
-    let rigid = match matter.is_free() {
-        true => Momentum::of(matter, predicted, speed).rigid(matter, predicted),
-        false => RigidVelocity::default(),
-    };
-    let moving = speed.iter().zip(predicted.iter()).zip(&matter.masses);
-    let within_j: f64 = moving
-        .map(|((v, x), m)| 0.5 * m * (v - rigid.velocity(x)).norm_squared())
-        .sum();
-    let share = (1.0 - excess_j / within_j).max(0.0).sqrt();
-    if share.is_finite() {
-        for (v, x) in speed.iter_mut().zip(predicted.iter()) {
-            let along = rigid.velocity(x);
-            *v = along + (*v - along) * share;
-        }
-    }
-}
-
-/// Elastic and kinetic, J: of the state, or of where the step has come.
-fn energy_j(
-    matter: &Matter,
-    state: &DeformableState,
-    scratch: &mut DeformableScratch,
-    before: bool,
-) -> f64 {
-    let DeformableScratch {
-        predicted,
-        speed,
-        coordinates,
-        nodes,
-        ..
-    } = scratch;
-    let (places, speeds) = match before {
-        true => (&state.positions, &state.velocities),
-        false => (&*predicted, &*speed),
-    };
-    lanes(places, coordinates);
-    let moving = matter.masses.iter().zip(speeds);
-    let kinetic: f64 = moving.map(|(m, v)| 0.5 * m * v.norm_squared()).sum();
-    let all: &[Lane] = match &matter.map {
-        NodeMap::Same => coordinates,
-        NodeMap::Sparse(map) => {
-            map.apply(coordinates, nodes);
-            nodes
-        }
-    };
-    matter.law.energy_j(matter.rest_lengths(state), all) + kinetic
+    excess::take(matter, predicted, speed, after_j - before_j - given_j);
 }

@@ -129,7 +129,7 @@ pub(super) struct ImplicitScratch {
     rhs: Vec<Vector3>,
     scalar: ScalarWork,
     /// The state's caution after the step.
-    caution: Caution,
+    pub(super) caution: Caution,
     /// Σ |correction|² of the last further iteration, m².
     last_m2: f64,
     /// Of a sheet (unknowns): its normals.

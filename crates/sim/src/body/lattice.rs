@@ -2,7 +2,7 @@
 //! springs along their edges and face diagonals, or with the energy of an elastic solid in them.
 
 use super::cells::CellGrid;
-use super::continuum::{ContinuumLaw, Elastic, VolumeBarrier};
+use super::continuum::{ContinuumError, ContinuumLaw, Elastic, VolumeBarrier};
 use super::deformable::Deformable;
 use super::law::MaterialLaw;
 use super::material::Material;
@@ -21,7 +21,20 @@ pub enum Inside {
     Continuum,
     /// The same, for nodes that few smooth coordinates move.
     SmoothContinuum,
+    /// The same in cells that are much longer than thick. With all of its energy at Gauss points, such
+    /// a cell locks in bending.
+    FlatContinuum,
+    /// The energy that springs stand for in cubes, in such cells: springs across them have no stiffness
+    /// against shear.
+    FlatSprings,
 }
+
+/// ν of springs.
+const SPRINGS_POISSON: f64 = 0.25;
+
+/// Share of a flat cell's energy that is taken at its Gauss points: bending a cell of length l in a plate
+/// of thickness t costs ½ (l / t)² of that too much, and shapes without any other energy are held.
+const SHARE_AT_POINTS: f64 = 0.02;
 
 /// A solid to be built.
 pub struct Solid<'a, M: Fn(usize) -> Material> {
@@ -93,14 +106,25 @@ impl<'a, M: Fn(usize) -> Material> Solid<'a, M> {
             poisson: material(cell).poisson,
         };
         let of_cells = || -> Vec<Elastic> { (0..grid.cells.len()).map(elastic).collect() };
+        let of_springs = |rule| {
+            let young_pa = |cell| material(cell).young_pa;
+            let springs = springs::from_cells(grid, young_pa, rule);
+            let law = MaterialLaw::springs(&springs, common.stiffening);
+            law.with_barrier(VolumeBarrier::new(&grid.nodes, &grid.cells, young_pa))
+        };
         let law = match inside {
-            Inside::Springs(rule) => {
-                let young_pa = |cell| material(cell).young_pa;
-                let springs = springs::from_cells(grid, young_pa, rule);
-                let law = MaterialLaw::springs(&springs, common.stiffening);
-                law.with_barrier(VolumeBarrier::new(&grid.nodes, &grid.cells, young_pa))
-            }
+            Inside::Springs(rule) => of_springs(rule),
             Inside::Continuum => MaterialLaw::continuum(ContinuumLaw::new(grid, &of_cells())?),
+            Inside::FlatContinuum => flat_continuum(grid, &of_cells())?,
+            Inside::FlatSprings => {
+                let like_springs = |of: Elastic| Elastic {
+                    poisson: SPRINGS_POISSON,
+                    ..of
+                };
+                let of_cells: Vec<Elastic> = of_cells().into_iter().map(like_springs).collect();
+                // Springs live with cells that no energy does.
+                flat_continuum(grid, &of_cells).unwrap_or_else(|_| of_springs(SpringRule::Moduli))
+            }
             // Smooth coordinates leave cells no motion without energy: one point a cell is enough.
             Inside::SmoothContinuum => {
                 MaterialLaw::continuum(ContinuumLaw::at_centres(grid, &of_cells())?)
@@ -151,6 +175,21 @@ fn grains(
         plane_modulus_pa: modulus / volume_m3,
     };
     volumes.into_iter().zip(moduli).map(grain).collect()
+}
+
+/// Most of the energy at the centres of the cells, a share at their Gauss points.
+fn flat_continuum(grid: &CellGrid, elastic: &[Elastic]) -> Result<MaterialLaw, ContinuumError> {
+    let part = |share: f64| -> Vec<Elastic> {
+        let of = |of: &Elastic| Elastic {
+            young_pa: share * of.young_pa,
+            ..*of
+        };
+        elastic.iter().map(of).collect()
+    };
+    Ok(MaterialLaw::flat_continuum(
+        ContinuumLaw::at_centres(grid, &part(1.0 - SHARE_AT_POINTS))?,
+        ContinuumLaw::new(grid, &part(SHARE_AT_POINTS))?,
+    ))
 }
 
 /// Masses of nodes, kg: an eighth of each cell's for each of its corners, scaled so that the whole

@@ -17,6 +17,9 @@ pub struct MaterialLaw {
     pub(super) springs: SpringTable,
     pub(super) bends: Vec<Bend>,
     pub(super) continuum: Option<ContinuumLaw>,
+    /// Of flat cells, whose `continuum` is integrated at their centres: a small share at their Gauss
+    /// points, so that no motion is without energy.
+    share_at_points: Option<ContinuumLaw>,
     /// What keeps the cells of a lattice from being crushed.
     barrier: Option<VolumeBarrier>,
     /// Greatest slope of the springs, relative to that at rest.
@@ -42,6 +45,7 @@ impl MaterialLaw {
             springs: SpringTable::new(springs, stiffening),
             bends,
             continuum: None,
+            share_at_points: None,
             barrier: None,
             slope,
         }
@@ -54,6 +58,18 @@ impl MaterialLaw {
             slope: 1.0,
             ..Self::default()
         }
+    }
+
+    /// The energy of flat cells: most of it at their centres, a share at their Gauss points.
+    pub fn flat_continuum(at_centres: ContinuumLaw, at_points: ContinuumLaw) -> Self {
+        Self {
+            share_at_points: Some(at_points),
+            ..Self::continuum(at_centres)
+        }
+    }
+
+    fn continua(&self) -> impl Iterator<Item = &ContinuumLaw> {
+        self.continuum.iter().chain(&self.share_at_points)
     }
 
     /// Edges (a, b, k) of the Laplacian of the bounding matrix: a step that starts from the inertial
@@ -81,7 +97,7 @@ impl MaterialLaw {
     fn weighted_edges(&self, springs: f64, weight: Weight) -> Vec<(u32, u32, f64)> {
         let each = self.springs.each();
         let springs = each.map(|(_, _, a, b, k)| (a as u32, b as u32, k * springs));
-        let continuum = (self.continuum.iter()).flat_map(|law| law.laplacian(weight));
+        let continuum = self.continua().flat_map(|law| law.laplacian(weight));
         springs
             .chain(self.bends.iter().flat_map(Bend::edges))
             .chain(continuum)
@@ -114,8 +130,13 @@ impl MaterialLaw {
         if let Some(barrier) = &self.barrier {
             barrier.support_at_rest(out);
         }
-        if let Some(continuum) = &self.continuum {
-            continuum.tangent_at_rest(strain, out);
+        match (&self.continuum, &self.share_at_points) {
+            (Some(at_centres), Some(at_points)) => {
+                at_centres.tangent_at_centres(strain, out);
+                at_points.tangent_at_rest(strain, out);
+            }
+            (Some(continuum), None) => continuum.tangent_at_rest(strain, out),
+            (None, _) => (),
         }
     }
 
@@ -147,8 +168,7 @@ impl MaterialLaw {
             .map(|(_, _, a, b, k)| (a as u32, b as u32, k * self.slope));
         // Its step follows tangents up to 4/3 of its own matrix.
         let continuum = self
-            .continuum
-            .iter()
+            .continua()
             .flat_map(|law| law.laplacian(Weight::Bounding))
             .map(|(a, b, k)| (a, b, 4.0 / 3.0 * k));
         springs
@@ -179,7 +199,12 @@ impl MaterialLaw {
         }
         let crushed =
             (self.barrier.as_ref()).map_or(0, |barrier| barrier.add_forces(places, residual));
+        let of_share = self.share_at_points.as_ref().map_or(0, |law| {
+            let pass = law.add_forces_reaching(&[], places, residual, farther);
+            pass.limited
+        });
         crushed
+            + of_share
             + self.continuum.as_ref().map_or(0, |continuum| {
                 continuum
                     .add_forces_reaching(rest, places, residual, farther)
@@ -199,6 +224,10 @@ impl MaterialLaw {
             .barrier
             .as_ref()
             .map_or(0.0, |barrier| barrier.energy_j(places));
-        self.springs.energy_j(rest, at) + bends + continuum + barrier
+        let share = self
+            .share_at_points
+            .as_ref()
+            .map_or(0.0, |law| law.energy_flowed_j(&[], places));
+        self.springs.energy_j(rest, at) + bends + continuum + barrier + share
     }
 }

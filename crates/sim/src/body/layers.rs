@@ -3,11 +3,13 @@
 //! Closed surfaces: rings of control points shrink in equal steps towards a medial curve, so the
 //! cells beside the curve are wedges. The curve follows the rings' centroids but ends short of the
 //! poles: were it to reach them, a flat end (a ring in one plane with its pole) would have cells
-//! without volume. Tori and open tubes keep their centroids. Open sheets: copies of the net at
+//! without volume. Tori and open tubes keep their centroids. Flat bodies shrink towards a medial
+//! surface ([`super::opposite`]). Open sheets: copies of the net at
 //! equal depths along the inward normals. Either way the surface is exact: no node is fitted to it.
 
 use super::cells::{Cell, CellGrid};
 use super::continuum::refused_cells;
+use super::opposite::{self, Medial};
 use palpate_geometry::math::{Point3, Vector3};
 
 /// What the rings of a closed surface do along the other direction.
@@ -35,6 +37,8 @@ pub struct Rings {
     pub u_around: bool,
     /// Control points of the net in v, repeated ones counted.
     pub columns: usize,
+    /// What the rings shrink towards.
+    pub medial: Medial,
 }
 
 impl Rings {
@@ -46,6 +50,7 @@ impl Rings {
             ends,
             u_around: true,
             columns: along,
+            medial: Medial::Curve,
         }
     }
 
@@ -95,6 +100,9 @@ pub(super) fn best_medial(
     rings: &Rings,
     build: impl Fn(&[Point3]) -> CellGrid,
 ) -> Vec<Point3> {
+    if rings.is_flat() {
+        return opposite::middles(points, rings);
+    }
     let judge = |insets: &Insets| {
         let medial = medial_curve(points, rings, insets);
         let grid = build(&medial);
@@ -137,7 +145,8 @@ pub(super) fn best_medial(
     best.1
 }
 
-/// Cells between the rings and one medial point for each.
+/// Cells between the rings and one medial point for each ring, or for each control point where the
+/// body has a medial surface.
 pub(super) fn rings_about(
     medial: &[Point3],
     points: &[Point3],
@@ -153,7 +162,11 @@ pub(super) fn rings_about(
         for j in 0..along {
             for i in (0..around).rev() {
                 // Shared nodes stand where the first of their ring does.
-                let place = medial[j] + (points[rings.control(i, j)] - medial[j]) * shrink;
+                let target = match rings.medial {
+                    Medial::Curve => medial[j],
+                    Medial::Surface => medial[j * around + i],
+                };
+                let place = target + (points[rings.control(i, j)] - target) * shrink;
                 nodes[node[(layer * along + j) * around + i] as usize] = place;
             }
         }
@@ -173,23 +186,27 @@ pub(super) fn rings_about(
     .right_handed()
 }
 
-/// (layers + 1, along, around) → node; the medial curve and the poles of each shell repeat theirs.
+/// (layers + 1, along, around) → node; the medial curve and the poles of each shell repeat theirs, as
+/// do the innermost nodes of control points opposite each other and all those of a rim.
 pub fn ring_nodes(rings: &Rings, layers: usize) -> Vec<u32> {
-    let Rings {
-        around,
-        along,
-        ends,
-        ..
-    } = *rings;
-    let pole = |j: usize| (j == 0 && ends.first_pole) || (j + 1 == along && ends.last_pole);
+    let Rings { around, along, .. } = *rings;
     let at = |layer: usize, j: usize, i: usize| (layer * along + j) * around + i;
     let mut node = vec![0u32; (layers + 1) * along * around];
     let mut count = 0;
     for j in 0..along {
         for layer in 0..=layers {
             for i in 0..around {
-                if i > 0 && (pole(j) || layer == layers) {
+                let innermost = layer == layers;
+                if i > 0 && (rings.is_pole(j) || (innermost && !rings.is_flat())) {
                     node[at(layer, j, i)] = node[at(layer, j, 0)];
+                    continue;
+                }
+                if layer > 0 && rings.is_rim(j) {
+                    node[at(layer, j, i)] = node[at(0, j, i)];
+                    continue;
+                }
+                if innermost && rings.is_flat() && rings.opposite(j) < j {
+                    node[at(layer, j, i)] = node[at(layer, rings.opposite(j), i)];
                     continue;
                 }
                 node[at(layer, j, i)] = count;
@@ -212,7 +229,7 @@ pub fn ring_cells(rings: &Rings, layers: usize) -> Vec<Cell> {
     let steps_along = if ends.axis_closed { along } else { along - 1 };
     let mut cells = Vec::with_capacity(layers * steps_along * around);
     for layer in 0..layers {
-        for j in 0..steps_along {
+        for j in (0..steps_along).filter(|&j| !rings.is_closed_up(j)) {
             for i in 0..around {
                 cells.push(std::array::from_fn(|corner| {
                     let (dl, dj, di) = (corner >> 2, (corner >> 1) & 1, corner & 1);
@@ -441,6 +458,7 @@ mod tests {
             ends,
             u_around: !torus,
             columns,
+            medial: Medial::Curve,
         };
         let points = surface.net().points();
         if best {

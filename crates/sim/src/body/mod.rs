@@ -16,6 +16,7 @@ mod cube;
 #[cfg(test)]
 mod cube_tests;
 mod deformable;
+mod excess;
 mod explicit;
 mod exterior;
 mod field;
@@ -32,6 +33,7 @@ mod membrane;
 mod neighbours;
 pub mod net;
 mod node_map;
+pub mod opposite;
 mod plastic;
 mod quality;
 mod rigid_motion;

@@ -129,7 +129,8 @@ pub fn rings(
         }
         (coordinates, coarse.node_of_control)
     };
-    let fine = Rings::seamless(around.rows.len(), along.rows.len(), shape.ends);
+    let mut fine = Rings::seamless(around.rows.len(), along.rows.len(), shape.ends);
+    fine.medial = shape.medial;
     let fine_layers = depth.rows.len() - 1;
     let fine_index = layers::ring_nodes(&fine, fine_layers);
     let count = fine_index.iter().max().map_or(0, |&last| last as usize + 1);
@@ -268,6 +269,7 @@ mod tests {
             },
             u_around: true,
             columns: 5,
+            medial: Default::default(),
         };
         let depth = Axis::depth(3, 5);
         let points = sphere.net().points();

@@ -1,6 +1,7 @@
 //! How the control points of a surface lie around a solid.
 
 use crate::body::layers::{RingEnds, Rings};
+use crate::body::opposite::Medial;
 use palpate_geometry::math::Point3;
 use palpate_geometry::surface::{Closing, Surface, Topology};
 
@@ -37,13 +38,20 @@ pub(super) fn layout(surface: &Surface, topology: &Topology) -> Option<Rings> {
         first_pole: poles[0],
         last_pole: poles[1],
     };
-    Some(Rings {
+    let rings = Rings {
         around,
         along,
         ends,
         u_around,
         columns,
-    })
+        medial: Medial::Curve,
+    };
+    Some(rings.with_medial(surface.net().points()))
+}
+
+/// True for a closed body whose layers stand between its two sides.
+pub(super) fn is_flat(surface: &Surface) -> bool {
+    layout(surface, &surface.topology()).is_some_and(|rings| rings.is_flat())
 }
 
 /// Control points in u and v, those repeated at a seam counted once.

@@ -11,7 +11,7 @@ use super::spec::{BodySpec, BuilderSpec, RefineAuto, RefineSpec, SceneSpec};
 use crate::body::layers::Rings;
 use palpate_geometry::basis::KnotVector;
 use palpate_geometry::math::{Point3, Pose};
-use palpate_geometry::surface::{ClosestSolver, Joints, Surface};
+use palpate_geometry::surface::{ClosestSolver, Direction, Joints, Surface, SurfaceError};
 
 /// Lines of the other direction on which a span's length is measured.
 const LINES: usize = 24;
@@ -61,7 +61,10 @@ pub(super) fn refine(body: &Refined<'_>, surface: Surface) -> Option<Surface> {
             };
             evenly(&focus.iter().map(on_surface).collect::<Vec<_>>())
         }
-        RefineSpec::Counts([u, v]) => at.take(surface.refined_to(*u, *v)),
+        RefineSpec::Counts([u, v]) => match two_sides(&surface) {
+            Some(along) => at.take(refined_alike(&surface, along, [*u, *v])),
+            None => at.take(surface.refined_to(*u, *v)),
+        },
         RefineSpec::Knots { u, v } => {
             let refined = at.take(surface.insert_knots_alike([u, v]))?;
             Some(refined.with_exact_seams())
@@ -183,6 +186,7 @@ fn even_knots(body: &Refined<'_>, foci: &[Point3], surface: &Surface) -> [Vec<f6
     };
     let nodes = node_count(body.spec, surface);
     let joints = surface.joints();
+    let sides = two_sides(surface);
     let mut counts = distinct(surface, &surface.topology());
     let mut spans = [0, 1].map(|d| spans(surface, d, counts_as));
     loop {
@@ -196,7 +200,10 @@ fn even_knots(body: &Refined<'_>, foci: &[Point3], surface: &Surface) -> [Vec<f6
             }
         }
         let (piece_m, [d, k]) = longest;
-        let together = alike(joints.as_ref(), &spans, [d, k]);
+        let together = match sides {
+            Some(along) if along == d => both_sides(spans[d].len(), k).map(|k| [d, k]).collect(),
+            _ => alike(joints.as_ref(), &spans, [d, k]),
+        };
         let mut next = counts;
         together.iter().for_each(|&[d, _]| next[d] += 1);
         if piece_m <= 0.0 || piece_m * 3.0 <= width_m || nodes(next) > body.node_budget {
@@ -213,6 +220,58 @@ fn even_knots(body: &Refined<'_>, foci: &[Point3], surface: &Surface) -> [Vec<f6
         None => Span::cuts,
     };
     spans.map(|spans| spans.iter().flat_map(cuts).collect())
+}
+
+/// The direction from pole to pole of a flat body, whose sides are cut alike: its cells stand between
+/// control points that lie opposite each other.
+fn two_sides(surface: &Surface) -> Option<usize> {
+    let rings = layout(surface, &surface.topology())?;
+    rings.is_flat().then_some(usize::from(rings.u_around))
+}
+
+/// A span and the one opposite, of so many.
+fn both_sides(spans: usize, k: usize) -> impl Iterator<Item = usize> {
+    let opposite = spans - 1 - k;
+    [k, opposite]
+        .into_iter()
+        .take(if k == opposite { 1 } else { 2 })
+}
+
+/// A flat body with so many control points: its longest spans are cut evenly, in both sides alike, so
+/// that it may get one more.
+fn refined_alike(
+    surface: &Surface,
+    along: usize,
+    counts: [usize; 2],
+) -> Result<Surface, SurfaceError> {
+    let mut around = counts;
+    around[along] = 0;
+    let surface = surface.refined_to(around[0], around[1])?;
+    let knots = [surface.knots_u(), surface.knots_v()][along];
+    let t = knots.knots();
+    let mut spans: Vec<(f64, f64, usize)> = knots.spans().map(|i| (t[i], t[i + 1], 1)).collect();
+    let have = surface.distinct_counts()[along];
+    let mut more = counts[along].saturating_sub(have);
+    while more > 0 {
+        let piece = |&(from, to, pieces): &(f64, f64, usize)| (to - from) / pieces as f64;
+        let mut longest = 0;
+        for k in 1..spans.len() {
+            // The first of equals, with a hair of tolerance for rounding.
+            if piece(&spans[k]) > piece(&spans[longest]) * (1.0 + 1e-9) {
+                longest = k;
+            }
+        }
+        for k in both_sides(spans.len(), longest) {
+            spans[k].2 += 1;
+            more = more.saturating_sub(1);
+        }
+    }
+    let cuts = spans.iter().flat_map(|&(from, to, pieces)| {
+        (1..pieces).map(move |k| from + (to - from) * (k as f64 / pieces as f64))
+    });
+    let cuts: Vec<f64> = cuts.collect();
+    let direction = [Direction::U, Direction::V][along];
+    surface.insert_knots(direction, &cuts)
 }
 
 /// The spans that must be cut as this one is: copies of a branching surface stay alike.

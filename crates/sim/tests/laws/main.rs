@@ -26,4 +26,5 @@ mod refinement;
 mod resting;
 mod rigid;
 mod sides;
+mod thin;
 mod vessel;

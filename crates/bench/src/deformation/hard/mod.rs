@@ -96,14 +96,6 @@ const KNOWN: &[(&str, &str)] = &[
         "cells of a net are held back at ν = 0.499: the base misses 6 % of the force",
     ),
     (
-        "hard/thousand-newtons/continuum/implicit",
-        "cells that are held back after the hit add a fifth to its energy",
-    ),
-    (
-        "hard/thousand-newtons/net/implicit",
-        "cells that are held back after the hit add a twentieth to its energy",
-    ),
-    (
         "hard/hundred-bodies/net/implicit",
         "slabs that a tool has left creep at more than 0.1 µm/s for seconds, so that nine of a hundred are awake",
     ),

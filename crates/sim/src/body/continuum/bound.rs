@@ -2,7 +2,7 @@
 
 use super::hessian::cell_hessian;
 use super::{Cell, ContinuumLaw, Elastic, RestCell};
-use palpate_geometry::math::{Matrix3, Point3};
+use palpate_geometry::math::{Matrix3, Point3, Vector3};
 use std::collections::BTreeMap;
 
 /// How far above the least stable weight of rest the matrix is, so that strained cells can be
@@ -82,11 +82,7 @@ impl ContinuumLaw {
         out: &mut impl FnMut(u32, u32, Matrix3),
     ) {
         for (cell, elastic) in self.cells.iter().zip(&self.materials) {
-            let (shear, lame) = elastic.lame_pa();
-            // Strain turns the gradient of volume against that of rest, and what is only shear there
-            // meets a share of λ.
-            let turned = strain * strain * (lame - LEAST_LAME * shear).max(0.0);
-            let (shear, lame) = (SHEAR_MARGIN * shear + turned, VOLUME_MARGIN * lame);
+            let (shear, lame) = with_margins(elastic, strain);
             let stiffer = Elastic {
                 young_pa: shear * (3.0 * lame + 2.0 * shear) / (lame + shear),
                 poisson: 0.5 * lame / (lame + shear),
@@ -94,6 +90,50 @@ impl ContinuumLaw {
             cell_tangent(&self.rest, cell, &stiffer, out);
         }
     }
+
+    /// The same of cells that are integrated at their centres: K = V (λ g_i g_jᵀ + μ g_j g_iᵀ + μ g_i ·
+    /// g_j I) with the gradients g of the corners there (linear elasticity, which every energy without stress at
+    /// rest comes to).
+    pub(in crate::body) fn tangent_at_centres(
+        &self,
+        strain: f64,
+        out: &mut impl FnMut(u32, u32, Matrix3),
+    ) {
+        for (cell, elastic) in self.cells.iter().zip(&self.materials) {
+            let (shear, lame) = with_margins(elastic, strain);
+            let slopes: [Vector3; 8] = std::array::from_fn(|corner| {
+                let slope = |bit: usize| if corner & bit != 0 { 0.125 } else { -0.125 };
+                Vector3::new(slope(4), slope(2), slope(1))
+            });
+            let places = cell.iter().zip(&slopes);
+            let map: Matrix3 = places
+                .map(|(&node, slope)| self.rest[node as usize].coords * slope.transpose())
+                .sum();
+            // A cell without volume at its centre has been refused.
+            let inverse = map.try_inverse().unwrap_or_else(Matrix3::zeros);
+            let volume = 8.0 * map.determinant().abs();
+            let gradients = slopes.map(|slope| inverse.transpose() * slope);
+            for (i, a) in gradients.iter().enumerate() {
+                for (j, b) in gradients.iter().enumerate() {
+                    if cell[i] >= cell[j] {
+                        let block = a * b.transpose() * lame
+                            + (b * a.transpose() + Matrix3::from_diagonal_element(a.dot(b)))
+                                * shear;
+                        out(cell[i], cell[j], block * volume);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// μ and λ of the tangent, Pa, with their margins.
+fn with_margins(elastic: &Elastic, strain: f64) -> (f64, f64) {
+    let (shear, lame) = elastic.lame_pa();
+    // Strain turns the gradient of volume against that of rest, and what is only shear there
+    // meets a share of λ.
+    let turned = strain * strain * (lame - LEAST_LAME * shear).max(0.0);
+    (SHEAR_MARGIN * shear + turned, VOLUME_MARGIN * lame)
 }
 
 /// The blocks of one cell at rest.

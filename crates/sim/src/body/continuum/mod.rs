@@ -85,7 +85,8 @@ pub enum ContinuumError {
     /// Cells too flat or folded.
     #[error(
         "{count} of {total} cells are too distorted: cell {worst} has scaled Jacobian {quality:.3}, the least allowed is \
-         {LEAST_SCALED_JACOBIAN}; refine the net where it is long and thin, use fewer layers, or model = \"lattice\""
+         {LEAST_SCALED_JACOBIAN}; refine the net where it is long and thin, use fewer layers, draw a flat body with the poles of its net in \
+         the middle of its two sides, or take model = \"lattice\""
     )]
     Distorted {
         /// How many.

@@ -4,7 +4,7 @@ use super::Inputs;
 use crate::body::layers;
 use crate::body::net::Reduced;
 use crate::body::{CellGrid, NodeMap, SomSettings};
-use crate::scene::layout::layout;
+use crate::scene::layout::{is_flat, layout};
 use crate::scene::spec::BuilderSpec;
 use palpate_geometry::math::Vector3;
 use palpate_geometry::surface::Surface;
@@ -18,6 +18,11 @@ pub(super) fn of_builder<'a>(
         BuilderSpec::Layers => layered(body, surface),
         BuilderSpec::Transfinite | BuilderSpec::Som => riding(body, surface),
     }
+}
+
+/// True for layers between the two sides of a flat body.
+pub(super) fn has_flat_layers(body: &Inputs<'_>, surface: &Surface) -> bool {
+    body.spec.lattice.builder == BuilderSpec::Layers && is_flat(surface)
 }
 
 /// Layers of nodes, which are the coordinates, and the volume that the surface encloses.

@@ -11,7 +11,11 @@ impl Model for Continuum {
     fn build(&self, body: &Inputs<'_>) -> Option<(Surface, BodyModel)> {
         common::deforming(body, common::NODE_BUDGET, |surface| {
             let moved = cells::of_builder(body, surface);
-            common::solid(body, surface, Inside::Continuum, moved)
+            let inside = match cells::has_flat_layers(body, surface) {
+                true => Inside::FlatContinuum,
+                false => Inside::Continuum,
+            };
+            common::solid(body, surface, inside, moved)
         })
     }
 }

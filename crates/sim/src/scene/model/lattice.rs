@@ -10,11 +10,22 @@ pub(super) struct Lattice;
 
 impl Model for Lattice {
     fn build(&self, body: &Inputs<'_>) -> Option<(Surface, BodyModel)> {
-        let inside = Inside::Springs(rule(&body.spec.material));
         common::deforming(body, common::NODE_BUDGET, |surface| {
+            let inside = inside(body, surface);
             common::solid(body, surface, inside, cells::of_builder(body, surface))
         })
     }
+}
+
+/// Springs; in a flat body the energy that they stand for in cubes, since springs of flat cells have
+/// no stiffness against shear across them. Stiffening is a law of springs.
+fn inside(body: &Inputs<'_>, surface: &Surface) -> Inside {
+    let rule = rule(&body.spec.material);
+    let like_springs = rule == SpringRule::Moduli && body.material.stiffening.is_none();
+    if like_springs && cells::has_flat_layers(body, surface) {
+        return Inside::FlatSprings;
+    }
+    Inside::Springs(rule)
 }
 
 fn rule(material: &MaterialSpec) -> SpringRule {
