@@ -72,7 +72,7 @@ impl Indentation {
     /// Of a ball near a force (N); zero where the surface is hollower than the ball is round.
     pub fn of(radius_m: f64, at: &Resolution, force_n: f64, normal: &Vector3) -> Self {
         let curvature = 1.0 / radius_m + at.curvature_1_m;
-        if !(curvature > 0.0 && at.plane_modulus_pa > 0.0 && at.patch_m > 0.0) {
+        if !(radius_m > 0.0 && curvature > 0.0 && at.plane_modulus_pa > 0.0 && at.patch_m > 0.0) {
             return Self::default();
         }
         // Hertz' patches are smaller than the ball.
@@ -179,6 +179,19 @@ mod tests {
         };
         let near = Indentation::of(1e-3, &place, 1e6, &Vector3::z());
         assert!(near.slope_m_n == 0.0 && near.offset_m < 0.21e-3, "{near:?}");
+    }
+
+    #[test]
+    fn points_have_none() {
+        let place = Resolution {
+            plane_modulus_pa: 20e3,
+            patch_m: 2e-3,
+            curvature_1_m: 50.0,
+        };
+        assert_eq!(
+            Indentation::of(0.0, &place, 1.0, &Vector3::z()),
+            Indentation::default()
+        );
     }
 
     #[test]

@@ -93,7 +93,8 @@ pub(super) fn gather(scene: &Scene, state: &mut SceneState, scratch: &mut Scratc
                 match scene.tools[t].shape.ball_radius_m() {
                     Some(radius_m) if pair.method == Method::Exact => {
                         ball(scene, state, scratch, p, t, radius_m);
-                        dents = Some(radius_m);
+                        // A point has no patch.
+                        dents = Some(radius_m).filter(|radius_m| *radius_m > 0.0);
                     }
                     _ => shape(scene, state, scratch, p, t),
                 }

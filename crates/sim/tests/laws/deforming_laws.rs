@@ -127,7 +127,12 @@ fn a_net_presses_as_its_full_model_wherever_the_tool_stands() {
         );
         let text = text
             .replace("net = [7, 7]", "net = [11, 11]")
-            .replace("radius_m = 0.02", "radius_m = 0.04");
+            // A capsule of no length is a ball whose touch has nothing but the net.
+            .replace(
+                "sphere = { radius_m = 0.02 }",
+                "capsule = { radius_m = 0.04, half_length_m = 1e-6 }",
+            );
+        assert!(text.contains("capsule"));
         let mut world = World::new(&text);
         for k in 0..300 {
             world.at([-0.015, 0.0, 0.04 - 0.008 * (f64::from(k) / 150.0).min(1.0)]);
