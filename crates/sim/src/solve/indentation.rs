@@ -101,6 +101,52 @@ impl Indentation {
     }
 }
 
+/// A ball on a solid, as far as what its net does not show is concerned.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Touch {
+    /// Of the ball, m; 0: none.
+    pub radius_m: f64,
+    /// Where it touches.
+    pub place: Resolution,
+    /// Out of the body.
+    pub normal: Vector3,
+    /// All that the body bore of the ball in the last tick, N.
+    pub force_n: f64,
+}
+
+/// A force this many times that of the last tick is a hit.
+const HIT: f64 = 4.0;
+
+impl Touch {
+    /// What it is in this tick, in which the ball is `depth_m` inside before contact moves anything, and
+    /// the surface gives way by `compliance_m_n`. Near the force of the last tick; in a hit, that is too
+    /// far from where it ends, and near the force of that depth.
+    pub fn indentation(&self, depth_m: f64, compliance_m_n: f64) -> Indentation {
+        let near = |force_n| Indentation::of(self.radius_m, &self.place, force_n, &self.normal);
+        let last = near(self.force_n);
+        let most_n = depth_m / compliance_m_n;
+        if !(most_n > HIT * self.force_n && most_n.is_finite()) {
+            return last;
+        }
+        // c F + δ(F) rises with F.
+        let (mut low, mut high) = (0.0, most_n);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            let there = near(middle);
+            let deep = there.offset_m + (there.slope_m_n + compliance_m_n) * middle;
+            *(if deep < depth_m { &mut low } else { &mut high }) = middle;
+        }
+        if low > HIT * self.force_n {
+            near(low)
+        } else {
+            last
+        }
+    }
+}
+
+/// Enough for a billionth.
+const HALVINGS: usize = 30;
+
 /// g(x), and how it rises.
 fn missing(x: f64) -> (f64, f64) {
     let cube = x * x * x;
@@ -179,6 +225,37 @@ mod tests {
         };
         let near = Indentation::of(1e-3, &place, 1e6, &Vector3::z());
         assert!(near.slope_m_n == 0.0 && near.offset_m < 0.21e-3, "{near:?}");
+    }
+
+    #[test]
+    fn a_hit_meets_what_its_depth_means_at_once() {
+        let touch = Touch {
+            radius_m: 0.01,
+            place: Resolution {
+                plane_modulus_pa: 20e3,
+                patch_m: 2e-3,
+                curvature_1_m: 50.0,
+            },
+            normal: Vector3::z(),
+            force_n: 0.0,
+        };
+        let compliance = 1e-2;
+        for depth in [1e-5, 1e-4, 1e-3, 1.0] {
+            let near = touch.indentation(depth, compliance);
+            let force = (depth - near.offset_m) / (near.slope_m_n + compliance);
+            let missed = deep(force) + compliance * force - depth;
+            assert!(
+                missed.abs() < 1e-8 * depth,
+                "{depth} m: {missed} m off at {force} N"
+            );
+        }
+        // Close to the force of the last tick it stays near that.
+        let held = Touch {
+            force_n: 0.05,
+            ..touch
+        };
+        let depth = deep(0.051) + compliance * 0.051;
+        assert_eq!(held.indentation(depth, compliance), at(0.05));
     }
 
     #[test]

@@ -13,8 +13,8 @@
 //! alone, without n_i · n_j.
 
 use super::flight::Gives;
-use super::stick;
 use super::{SceneState, Scratch, WarmRow, quality};
+use super::{dent, stick};
 use crate::body::Deformable;
 use crate::scene::{Body, BodyModel, Scene};
 use crate::solve::cones::{self, ConeShare};
@@ -87,6 +87,7 @@ pub(super) fn solve(scene: &Scene, state: &SceneState, scratch: &mut Scratch) {
             add_free_body(b, &gives, whole, scratch);
         }
     }
+    dent::settle(scratch);
     if !whole {
         add_indentations(scratch);
     }

@@ -2,15 +2,15 @@
 
 use super::{SceneState, Scratch};
 use crate::scene::{BodyModel, Scene};
-use crate::solve::indentation::{Indentation, Resolution};
+use crate::solve::indentation::{Indentation, Resolution, Touch};
 use palpate_geometry::math::Vector3;
 
-/// Finds it for a pair whose rows stand, and lets their gaps know.
+/// Finds where a pair whose rows stand touches.
 ///
 /// The place and the direction are those of the last tick's forces: a contact point that hops from one
 /// place to another has no force there yet, so what the ball goes in changes as forces do, not by
 /// the hop.
-pub(super) fn push(
+pub(super) fn touch(
     scene: &Scene,
     state: &SceneState,
     scratch: &mut Scratch,
@@ -23,9 +23,7 @@ pub(super) fn push(
     if model.resolution.is_empty() {
         return;
     }
-    let Scratch {
-        rows, indentations, ..
-    } = scratch;
+    let Scratch { rows, touches, .. } = scratch;
     let mut warm = (state.warm[..state.warm_len].iter())
         .filter(|old| old.id.pair as usize == p && !old.id.key.is_anchor())
         .peekable();
@@ -50,13 +48,41 @@ pub(super) fn push(
     let Some((resolution, normal)) = place.mean() else {
         return;
     };
-    let dent = Indentation::of(radius_m, &resolution, force_n, &normal);
-    for row in rows.of_pair_mut() {
-        if !row.id.key.is_anchor() {
-            row.gap_m += dent.offset_m * row.normal.dot(&normal);
+    touches[p] = Touch {
+        radius_m,
+        place: resolution,
+        normal,
+        force_n,
+    };
+}
+
+/// Finds how far balls go in, once it is known how the rows give way, and lets their gaps know.
+pub(super) fn settle(scratch: &mut Scratch) {
+    let Scratch {
+        rows,
+        problem,
+        touches,
+        indentations,
+        ..
+    } = scratch;
+    indentations.fill(Indentation::default());
+    let mut start = 0;
+    for of_pair in rows.rows.chunk_by_mut(|a, b| a.id.pair == b.id.pair) {
+        let first = start;
+        start += of_pair.len();
+        let p = of_pair[0].id.pair as usize;
+        let pushing = (of_pair.iter().enumerate()).filter(|(_, row)| !row.id.key.is_anchor());
+        let deepest = pushing.min_by(|(_, a), (_, b)| a.gap_m.total_cmp(&b.gap_m));
+        let Some((i, row)) = deepest.filter(|_| touches[p].radius_m > 0.0) else {
+            continue;
+        };
+        let own = problem.entry(first + i, first + i);
+        let dent = touches[p].indentation(-row.gap_m, own);
+        for row in of_pair.iter_mut().filter(|row| !row.id.key.is_anchor()) {
+            row.gap_m += dent.offset_m * row.normal.dot(&dent.normal);
         }
+        indentations[p] = dent;
     }
-    indentations[p] = dent;
 }
 
 /// Rows with their shares.

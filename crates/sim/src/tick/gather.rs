@@ -17,7 +17,7 @@ use super::{BodyScratch, PairState, SceneState, Scratch};
 use super::{dent, flight, grip, rest, stick};
 use crate::haptics::LinkPhase;
 use crate::scene::{Body, BodyModel, Pair, Scene, Tool};
-use crate::solve::indentation::Indentation;
+use crate::solve::indentation::Touch;
 use crate::solve::proxy::BallContact;
 use crate::solve::row_key::RowKey;
 use crate::solve::rows::{Approach, DeformingView, Holder, RowSet};
@@ -47,7 +47,7 @@ const SAME: f64 = 1e-6;
 /// unless bodies stand still in this tick.
 pub(super) fn gather(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, moving: bool) {
     scratch.rows.clear();
-    scratch.indentations.fill(Indentation::default());
+    scratch.touches.fill(Touch::default());
     for (t, tool) in scene.tools.iter().enumerate() {
         let link = &state.tools[t].link;
         let coupling = tool.coupling_for(&state.tools[t].bounds);
@@ -104,7 +104,7 @@ pub(super) fn gather(scene: &Scene, state: &mut SceneState, scratch: &mut Scratc
         }
         scratch.rows.end_pair();
         if let Some(radius_m) = dents {
-            dent::push(scene, state, scratch, p, radius_m);
+            dent::touch(scene, state, scratch, p, radius_m);
         }
     }
     flight::part_gently(scene, scratch);

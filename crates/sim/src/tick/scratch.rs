@@ -10,7 +10,7 @@ use crate::solve::complementarity::Complementarity;
 use crate::solve::cones::ConeShare;
 use crate::solve::delassus::Delassus;
 use crate::solve::friction::{FrictionProblem, Stick};
-use crate::solve::indentation::Indentation;
+use crate::solve::indentation::{Indentation, Touch};
 use crate::solve::rows::{MAX_ROWS_PER_PAIR, RowSet, SampleInTouch};
 use crate::solve::sharing::Share;
 use crate::solve::side::Sided;
@@ -32,7 +32,9 @@ pub struct Scratch {
     pub(super) near: Near,
     pub(super) rest: Rest,
     pub(super) rows: RowSet,
-    /// By pair: how far the tool goes in beyond what the body's net shows.
+    /// By pair: a ball that touches a solid.
+    pub(super) touches: Vec<Touch>,
+    /// By pair: how far it goes in beyond what the solid's net shows.
     pub(super) indentations: Vec<Indentation>,
     /// Samples of one pair in touch.
     pub(super) hits: Vec<SampleInTouch>,
@@ -232,6 +234,7 @@ impl Scene {
             near: Near::new(self),
             rest: Rest::new(self),
             rows: RowSet::new(most_rows, self.tools.len(), width),
+            touches: vec![Touch::default(); self.pairs.len()],
             indentations: vec![Indentation::default(); self.pairs.len()],
             hits: Vec::with_capacity(MAX_ROWS_PER_PAIR),
             problem: Complementarity::new(most_rows),

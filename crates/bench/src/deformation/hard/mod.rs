@@ -92,6 +92,22 @@ const CASES: &[Case] = &[
 #[cfg(test)]
 const KNOWN: &[(&str, &str)] = &[
     (
+        "hard/two-tools/lattice/implicit",
+        "two balls in one place each dent the solid as if the other were not there",
+    ),
+    (
+        "hard/two-tools/continuum/implicit",
+        "two balls in one place each dent the solid as if the other were not there",
+    ),
+    (
+        "hard/two-tools/lattice/explicit",
+        "two balls in one place each dent the solid as if the other were not there",
+    ),
+    (
+        "hard/two-tools/continuum/explicit",
+        "two balls in one place each dent the solid as if the other were not there",
+    ),
+    (
         "hard/incompressible/net/implicit",
         "cells of a net are held back at ν = 0.499: the base misses 6 % of the force",
     ),
