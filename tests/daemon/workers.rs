@@ -209,7 +209,8 @@ fn a_step_that_was_begun_before_a_reset_is_never_taken_for_a_later_one() {
         for k in 0..round as u32 % 7 {
             let place = [0.0, 0.0, 0.018 - 1e-5 * f64::from(k)];
             (here.seq, there.seq) = (1_000, 1_000);
-            (here.at(place), there.at(place));
+            here.at(place);
+            there.at(place);
         }
         assert_eq!(
             state_hash(&here.state),
