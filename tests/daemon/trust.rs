@@ -267,17 +267,23 @@ fn a_holder_that_skips_a_million_numbers_at_once_is_not_believed() {
         ..Default::default()
     };
     let raw = palpate::transport::open(&settings).unwrap();
+    let publisher = raw.declare_publisher(key).wait().unwrap();
     let put = |seq: u64| {
         let pose = ToolPose {
             seq,
             ..pose_at(AWAY)
         };
-        raw.put(key, encode(&pose)).wait().unwrap();
+        publisher.put(encode(&pose)).wait().unwrap();
     };
     let counts = || {
         let status = palpate.status().unwrap();
         (status.tools[0].received, status.tools[0].out_of_order)
     };
+    // A session that has just opened may not know of the daemon's subscriber yet, and drops what it
+    // is given until it does.
+    until("a subscriber", || {
+        publisher.matching_status().wait().unwrap().matching()
+    });
     put(1);
     until("the first", || counts().0 == 1);
     // While it is there: at once after the others.

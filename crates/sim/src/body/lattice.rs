@@ -21,8 +21,8 @@ pub enum Inside {
     Continuum,
     /// The same, for nodes that few smooth coordinates move.
     SmoothContinuum,
-    /// The same in cells that are much longer than thick. With all of its energy at Gauss points, such
-    /// a cell locks in bending.
+    /// An elastic solid in cells much longer than thick, most of its energy at their centres: with all of it
+    /// at Gauss points, such cells lock in bending.
     FlatContinuum,
     /// The energy that springs stand for in cubes, in such cells: springs across them have no stiffness
     /// against shear.

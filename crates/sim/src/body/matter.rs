@@ -38,7 +38,7 @@ pub struct Blueprint {
     pub cells: Vec<Cell>,
     /// (cells): Young's modulus, Pa.
     pub young_pa: Vec<f64>,
-    /// (coordinates): what each stands for; empty where there is no solid.
+    /// (coordinates): volume and stiffness of the solid around each; empty for membranes and nets.
     pub grains: Vec<Grain>,
 }
 

@@ -51,8 +51,8 @@ impl Rings {
         self.is_flat() && self.opposite(j) == j + 1
     }
 
-    /// The same rings with the medial curve or surface that suits these control points. A surface that
-    /// would fold cells is not taken.
+    /// Chooses the medial curve or surface that suits these control points; not a surface that would fold
+    /// cells.
     pub fn with_medial(mut self, points: &[Point3]) -> Self {
         let ends = self.ends;
         if ends.axis_closed || !(ends.first_pole && ends.last_pole) || self.along < 3 {

@@ -19,7 +19,7 @@ use palpate_geometry::surface::Surface;
 
 /// Fewest Gauss points a knot span of a surface with weights.
 const RATIONAL_POINTS: usize = 24;
-/// Least moment of inertia relative to the greatest: what is thinner is no solid.
+/// Least moment of inertia relative to the greatest; a thinner body counts as a sheet.
 const THINNEST: f64 = 1e-9;
 
 /// How the matter of a rigid body is spread.

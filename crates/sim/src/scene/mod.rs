@@ -162,6 +162,8 @@ pub(crate) struct Pair {
     pub body: usize,
     pub method: Method,
     pub friction: Option<Friction>,
+    /// With how much of the speed at which they meet two rigid bodies part.
+    pub restitution: f64,
 }
 
 impl Pair {

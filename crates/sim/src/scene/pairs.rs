@@ -36,6 +36,13 @@ pub(super) fn check(spec: &SceneSpec, contact: &ContactSpec, at: &At<'_>) -> Opt
             .refuse("only method = \"spheres\" has a resolution; drop it or choose that method"),
         (None, _) => {}
     }
+    if let Some(restitution) = contact.restitution
+        && !(0.0..=1.0).contains(&restitution)
+    {
+        at.key("restitution").refuse(format!(
+            "restitution is {restitution}; it must be 0 (they stay together) to 1 (they part as fast as they met)"
+        ));
+    }
     (at.problem_count() == before).then_some(())
 }
 
@@ -89,6 +96,7 @@ pub(super) fn build(
                     body,
                     method: Method::Exact,
                     friction: frictions.tools[tool],
+                    restitution: 0.0,
                 }),
         );
     }
@@ -97,6 +105,7 @@ pub(super) fn build(
         body,
         method: Method::Exact,
         friction: None,
+        restitution: 0.0,
     };
     for body in 0..bodies.len() {
         for other in body + 1..bodies.len() {
@@ -147,6 +156,22 @@ pub(super) fn build(
                 .iter_mut()
                 .filter(|pair| named(pair))
                 .for_each(|pair| pair.friction = frictions.contacts[c]);
+        }
+        if let Some(restitution) = contact.restitution {
+            let rigid = |body: usize| !deforms(body);
+            let bounces = match holder {
+                Holder::Tool(_) => false,
+                Holder::Body(other) => rigid(body) && rigid(other as usize),
+            };
+            let mut named = pairs.iter_mut().filter(|pair| named(pair)).peekable();
+            // Two rigid bodies are a pair only if one of them is free.
+            if !bounces || named.peek().is_none() {
+                top.key("contact").entry(c).key("restitution").refuse(
+                    "only two rigid bodies of which one is free have a restitution: others bounce as their \
+                     material does, and tools do not; drop it, or give a body free = true",
+                );
+            }
+            named.for_each(|pair| pair.restitution = restitution);
         }
         match contact.method {
             ContactMethod::Exact => {}

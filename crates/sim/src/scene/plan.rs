@@ -166,7 +166,7 @@ pub struct BufferPlan {
 /// µs: medians on a 3 GHz x86-64 core.
 const SPRING_US: f64 = 0.003;
 const NON_ZERO_US: f64 = 0.0022;
-/// The same of a large factor in single precision.
+/// One non-zero of a large scalar factor in single precision, µs.
 const SINGLE_US: f64 = 0.0014;
 /// One number of a factor in blocks, read twice by a solve, µs.
 const BLOCK_NUMBER_US: f64 = 0.0004;
@@ -471,5 +471,20 @@ impl fmt::Display for Plan {
             writeln!(f, "  buffer {:<33} {:>10} bytes", buffer.name, buffer.bytes)?;
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_longer_than_its_ticks_is_told_with_what_fits() {
+        // Within its ticks, however near.
+        assert_eq!(fitting_every(1_000.0, 1, 1e-3), None);
+        assert_eq!(fitting_every(3_999.0, 4, 1e-3), None);
+        // A fifth of the ticks is left to spare.
+        assert_eq!(fitting_every(4_100.0, 4, 1e-3), Some(6));
+        assert_eq!(fitting_every(4_100.0, 4, 2e-3), None);
     }
 }

@@ -177,6 +177,11 @@ pub struct ContactSpec {
     /// Friction of this pair, in place of the tool's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<FrictionSpec>,
+    /// Of two rigid bodies of which one is free: with how much of the speed at which they meet they part; 0
+    /// when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0, max = 1))]
+    pub restitution: Option<f64>,
 }
 
 /// How a pair is tested.

@@ -57,7 +57,7 @@ impl Resolution {
     }
 }
 
-/// δ near a force: `offset_m + slope_m_n F`.
+/// δ linear about a force: `offset_m + slope_m_n F`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Indentation {
     /// Along which the ball goes in, out of the body.
@@ -69,7 +69,7 @@ pub struct Indentation {
 }
 
 impl Indentation {
-    /// Of a ball near a force (N); zero where the surface is hollower than the ball is round.
+    /// Of a ball about a force (N); zero where the surface is hollower than the ball is round.
     pub fn of(radius_m: f64, at: &Resolution, force_n: f64, normal: &Vector3) -> Self {
         let curvature = 1.0 / radius_m + at.curvature_1_m;
         if !(radius_m > 0.0 && curvature > 0.0 && at.plane_modulus_pa > 0.0 && at.patch_m > 0.0) {
@@ -101,7 +101,7 @@ impl Indentation {
     }
 }
 
-/// A ball on a solid, as far as what its net does not show is concerned.
+/// A ball that touches a solid.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Touch {
     /// Of the ball, m; 0: none.
@@ -118,9 +118,9 @@ pub struct Touch {
 const HIT: f64 = 4.0;
 
 impl Touch {
-    /// What it is in this tick, in which the ball is `depth_m` inside before contact moves anything, and
-    /// the surface gives way by `compliance_m_n`. Near the force of the last tick; in a hit, that is too
-    /// far from where it ends, and near the force of that depth.
+    /// The indentation of this tick, in which the ball is `depth_m` inside before contact moves anything
+    /// and the surface gives way by `compliance_m_n`: linear about the force of the last tick, or, where a hit
+    /// makes it more than [`HIT`] times that, about the force of this depth.
     pub fn indentation(&self, depth_m: f64, compliance_m_n: f64) -> Indentation {
         let near = |force_n| Indentation::of(self.radius_m, &self.place, force_n, &self.normal);
         let last = near(self.force_n);

@@ -196,11 +196,6 @@ impl RowSet {
         &self.rows[self.pair_start..]
     }
 
-    /// The same, to change what they hold.
-    pub fn of_pair_mut(&mut self) -> &mut [Row] {
-        &mut self.rows[self.pair_start..]
-    }
-
     /// Takes the rows of the present pair away.
     pub fn drop_pair(&mut self) {
         self.rows.truncate(self.pair_start);

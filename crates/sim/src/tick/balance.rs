@@ -402,7 +402,7 @@ fn add_body_compliance(body: usize, deformable: &Deformable, whole: bool, scratc
     });
 }
 
-/// Adds how far tools go in beyond what the nets of bodies show.
+/// Adds how far balls go in beyond what nets show; where forces have three components, that is a mode.
 fn add_indentations(scratch: &mut Scratch) {
     let Scratch {
         rows,
@@ -412,7 +412,6 @@ fn add_indentations(scratch: &mut Scratch) {
     } = scratch;
     for (i, a) in rows.rows.iter().enumerate() {
         let dent = &indentations[a.id.pair as usize];
-        // With grips, forces are whole, and their dents are modes.
         if dent.slope_m_n == 0.0 {
             continue;
         }

@@ -107,7 +107,7 @@ pub(super) fn gather(scene: &Scene, state: &mut SceneState, scratch: &mut Scratc
             dent::touch(scene, state, scratch, p, radius_m);
         }
     }
-    flight::part_gently(scene, scratch);
+    flight::meet(scene, scratch);
 }
 
 /// The point of a pair's holder that says on which side of the body it is, m.

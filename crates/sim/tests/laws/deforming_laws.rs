@@ -272,8 +272,18 @@ fn a_pause_between_iterations_leaves_no_trace() {
     }
 }
 
-// Hertz' F = 4 E √R δ^1.5 / 3 (1 − ν²) on a layer bonded to its base: the series of Dimitriadis et
-// al. 2002, Biophys. J. 82:2798, eq. 11, in χ = √(R δ) / h, with α and β of a bonded layer.
+/// How much more force a layer bonded to its base takes than a half-space: the series of Dimitriadis et
+/// al. 2002, Biophys. J. 82:2798, eq. 11, in χ = √(R δ) / h, with α and β of a bonded layer.
+pub(super) fn bonded_layer(nu: f64, chi: f64) -> f64 {
+    let alpha = -(1.2876 - 1.4678 * nu + 1.3442 * nu * nu) / (1.0 - nu);
+    let beta = (0.6387 - 1.0277 * nu + 1.5164 * nu * nu) / (1.0 - nu);
+    let pi = std::f64::consts::PI;
+    1.0 - 2.0 * alpha / pi * chi + 4.0 * (alpha / pi).powi(2) * chi * chi
+        - 8.0 / pi.powi(3) * (alpha.powi(3) + 4.0 * pi * pi / 15.0 * beta) * chi.powi(3)
+        + 16.0 * alpha / pi.powi(4) * (alpha.powi(3) + 3.0 * pi * pi / 5.0 * beta) * chi.powi(4)
+}
+
+// Hertz' F = 4 E √R δ^1.5 / 3 (1 − ν²) on a bonded layer.
 #[test]
 fn a_sphere_on_a_thick_slab_presses_as_hertz_says() {
     let (young, nu, radius, thickness) = (20e3, 0.3, 0.06, 0.04);
@@ -295,14 +305,6 @@ fn a_sphere_on_a_thick_slab_presses_as_hertz_says() {
         ball(radius)
     );
     let mut world = World::new(&text);
-    let alpha = -(1.2876 - 1.4678 * nu + 1.3442 * nu * nu) / (1.0 - nu);
-    let beta = (0.6387 - 1.0277 * nu + 1.5164 * nu * nu) / (1.0 - nu);
-    let pi = std::f64::consts::PI;
-    let layer = |chi: f64| {
-        1.0 - 2.0 * alpha / pi * chi + 4.0 * (alpha / pi).powi(2) * chi * chi
-            - 8.0 / pi.powi(3) * (alpha.powi(3) + 4.0 * pi * pi / 15.0 * beta) * chi.powi(3)
-            + 16.0 * alpha / pi.powi(4) * (alpha.powi(3) + 3.0 * pi * pi / 5.0 * beta) * chi.powi(4)
-    };
     let depths = [1.0e-3, 1.6e-3, 2.4e-3, 3.6e-3];
     let (mut last, mut points) = (0.0, Vec::new());
     for depth in depths {
@@ -322,7 +324,7 @@ fn a_sphere_on_a_thick_slab_presses_as_hertz_says() {
         // There are more samples in touch than rows: which of them are rows must not change.
         assert!(high - low < 0.01 * force, "{depth} m: {low} to {high} N");
         last = depth;
-        let corrected = force / layer((radius * depth).sqrt() / thickness);
+        let corrected = force / bonded_layer(nu, (radius * depth).sqrt() / thickness);
         let hertz = 4.0 / 3.0 * young / (1.0 - nu * nu) * radius.sqrt() * depth.powf(1.5);
         println!(
             "{depth} m: {force} N, corrected {corrected}, Hertz {hertz}, ratio {}",

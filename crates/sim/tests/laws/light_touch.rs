@@ -1,6 +1,7 @@
 //! Balls that press less of a solid than its control net resolves.
 
 use super::deformation::press_forces;
+use super::deforming_laws::bonded_layer;
 use crate::common::{World, teardrop};
 
 /// Neo-Hookean finite elements, ν = 0.3, converged to about 1 %: a ball of 10 mm at 1 … 4 mm, N.
@@ -59,14 +60,6 @@ fn slab(shape: &str, spans: usize, depths_mm: &[f64]) -> Vec<f64> {
          device = {{ force_max_n = 1e9, ramp_s = 0.0 }}\n"
     );
     let mut world = World::new(&text);
-    let alpha = -(1.2876 - 1.4678 * nu + 1.3442 * nu * nu) / (1.0 - nu);
-    let beta = (0.6387 - 1.0277 * nu + 1.5164 * nu * nu) / (1.0 - nu);
-    let pi = std::f64::consts::PI;
-    let layer = |chi: f64| {
-        1.0 - 2.0 * alpha / pi * chi + 4.0 * (alpha / pi).powi(2) * chi * chi
-            - 8.0 / pi.powi(3) * (alpha.powi(3) + 4.0 * pi * pi / 15.0 * beta) * chi.powi(3)
-            + 16.0 * alpha / pi.powi(4) * (alpha.powi(3) + 3.0 * pi * pi / 5.0 * beta) * chi.powi(4)
-    };
     let mut z = radius + 1e-4;
     let mut ratios = Vec::new();
     for depth_mm in depths_mm {
@@ -78,7 +71,7 @@ fn slab(shape: &str, spans: usize, depths_mm: &[f64]) -> Vec<f64> {
         world.rest(|world| _ = world.at_in_place([0.0013, 0.0007, z]), 2_000);
         let force = world.record.output.tools[0].force_n.z;
         let hertz = 4.0 / 3.0 * young / (1.0 - nu * nu) * radius.sqrt() * depth.powf(1.5);
-        ratios.push(force / hertz / layer((radius * depth).sqrt() / thickness));
+        ratios.push(force / hertz / bonded_layer(nu, (radius * depth).sqrt() / thickness));
     }
     println!("{shape}: slab of {spans} spans at {depths_mm:?} mm: {ratios:.3?} of Hertz");
     ratios

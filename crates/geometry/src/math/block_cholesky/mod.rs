@@ -116,8 +116,9 @@ impl BlockCholesky {
         factor.ok_or(CholeskyError::Ordering)
     }
 
-    /// The same, of a large matrix by nested dissection where that makes the factor smaller; `places`
-    /// are those of its nodes. `None`, and soon, where the factor would have more numbers than `most`.
+    /// Orders a large matrix by nested dissection, where that makes the factor smaller, and factors;
+    /// `places` (n, or none) are where its nodes are, m. `None`, before any factorisation, where the factor
+    /// would have more numbers than `most`.
     ///
     /// # Errors
     /// A matrix that is not positive definite.

@@ -91,7 +91,7 @@ impl ContinuumLaw {
         }
     }
 
-    /// The same of cells that are integrated at their centres: K = V (λ g_i g_jᵀ + μ g_j g_iᵀ + μ g_i ·
+    /// The blocks of the tangent at rest of cells that are integrated at their centres: K = V (λ g_i g_jᵀ + μ g_j g_iᵀ + μ g_i ·
     /// g_j I) with the gradients g of the corners there (linear elasticity, which every energy without stress at
     /// rest comes to).
     pub(in crate::body) fn tangent_at_centres(

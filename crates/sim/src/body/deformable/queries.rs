@@ -85,7 +85,7 @@ impl Deformable {
         &self.matter.young_pa
     }
 
-    /// The part of a solid that a coordinate stands for; none of a membrane.
+    /// Volume and stiffness of the solid around a coordinate; `None` for membranes and nets.
     pub fn grain(&self, coordinate: usize) -> Option<Grain> {
         self.matter.grains.get(coordinate).copied()
     }

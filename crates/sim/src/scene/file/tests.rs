@@ -20,7 +20,7 @@ fn ten_lines_make_a_scene() {
 
 #[test]
 fn every_problem_names_its_line() {
-    let cases: [(&str, &str); 18] = [
+    let cases: [(&str, &str); 20] = [
         (
             "[loop]\nrate_hz = 0\n",
             "s.toml:2:1: rate_hz is 0; it must be 1 to 10000",
@@ -89,6 +89,14 @@ fn every_problem_names_its_line() {
         (
             "[[contact]]\npair = [\"ball\", \"drop\"]\nfriction = { mu = inf }\n",
             "s.toml:3:14: mu is inf; it must be 0 or more",
+        ),
+        (
+            "[[contact]]\npair = [\"ball\", \"drop\"]\nrestitution = 1.5\n",
+            "s.toml:3:1: restitution is 1.5; it must be 0",
+        ),
+        (
+            "[[contact]]\npair = [\"ball\", \"drop\"]\nrestitution = 0.5\n",
+            "s.toml:3:1: only two rigid bodies of which one is free have a restitution",
         ),
     ];
     for (text, expected) in cases {

@@ -106,15 +106,20 @@ fn resolution(surface: &Surface, body: &Deformable) -> Vec<Resolution> {
     let places = u.iter().flat_map(|&u| v.iter().map(move |&v| (u, v)));
     let at = |(control, (u, v)): (usize, (f64, f64))| {
         let grain = body.grain(body.coordinate_of_control(control))?;
+        // Folded cells have no volume to speak of: nothing is added where they are.
+        if !(grain.volume_m3 > 0.0 && grain.plane_modulus_pa > 0.0) {
+            return Some(Resolution::default());
+        }
         let patch_m = libm::cbrt(grain.volume_m3);
-        // What the net does not show, it does not resolve either.
         let mean = surface
             .curvature(u, v)
             .map_or(0.0, |curvature| curvature.mean());
+        // Rounder than its own patch, a net is not resolved.
+        let most = 1.0 / patch_m;
         Some(Resolution {
             plane_modulus_pa: grain.plane_modulus_pa,
             patch_m,
-            curvature_1_m: mean.clamp(-1.0 / patch_m, 1.0 / patch_m),
+            curvature_1_m: mean.max(-most).min(most),
         })
     };
     places.enumerate().map_while(at).collect()
