@@ -66,24 +66,14 @@ pub fn state_hash(state: &impl Stateful) -> u64 {
         fn word(&mut self, word: u64) {
             self.0.update(&word.to_le_bytes());
         }
+        #[cfg(target_endian = "little")]
         fn floats(&mut self, values: &[f64]) {
-            if let [value] = values {
-                return self.0.update(&value.to_le_bytes());
-            }
-            if let &[x, y, z] = values {
-                let mut block = [0u8; 24];
-                for (bytes, value) in block.chunks_exact_mut(8).zip([x, y, z]) {
-                    bytes.copy_from_slice(&value.to_le_bytes());
-                }
-                return self.0.update(&block);
-            }
-            // A fixed block keeps this free of allocation and of unsafe casts.
-            let mut block = [0u8; 2048];
-            for chunk in values.chunks(256) {
-                for (bytes, value) in block.chunks_exact_mut(8).zip(chunk) {
-                    bytes.copy_from_slice(&value.to_le_bytes());
-                }
-                self.0.update(&block[..chunk.len() * 8]);
+            self.0.update(bytemuck::cast_slice(values));
+        }
+        #[cfg(target_endian = "big")]
+        fn floats(&mut self, values: &[f64]) {
+            for value in values {
+                self.0.update(&value.to_le_bytes());
             }
         }
     }
