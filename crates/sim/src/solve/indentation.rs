@@ -120,7 +120,7 @@ const HIT: f64 = 4.0;
 impl Touch {
     /// The indentation of this tick, in which the ball is `depth_m` inside before contact moves anything
     /// and the surface gives way by `compliance_m_n`: linear about the force of the last tick, or, where a hit
-    /// makes it more than [`HIT`] times that, about the force of this depth.
+    /// makes it more than four times that, about the force of this depth.
     pub fn indentation(&self, depth_m: f64, compliance_m_n: f64) -> Indentation {
         let near = |force_n| Indentation::of(self.radius_m, &self.place, force_n, &self.normal);
         let last = near(self.force_n);
