@@ -219,3 +219,25 @@ fn poked(case: &str, model: &str, poisson: f64, scale: f64, ticks: usize) -> Res
         note,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    // Most of the body is free, pokes put energy in, and no model makes any.
+    #[test]
+    fn poked_bodies_make_no_energy_and_come_to_rest() {
+        for (model, poisson) in MODELS.into_iter().filter(|(_, poisson)| *poisson < 0.4) {
+            let world = World::new(&text(model, poisson, 1.0)).unwrap();
+            let (body, _) = world.body().unwrap();
+            let high = (0..body.coordinate_count())
+                .filter(|&c| body.unknown(c).is_some())
+                .map(|c| body.rest()[c].z)
+                .fold(0.0, f64::max);
+            assert!(high > 0.05, "{model}: the free part ends at {high} m");
+            let row = poked(model, model, poisson, 1.0, QUICK_TICKS).unwrap();
+            assert_eq!(row.wrong, Some(0), "{}", row.note);
+            assert!(row.error.abs() < 1e-9, "{}: {}", row.error, row.note);
+        }
+    }
+}

@@ -35,6 +35,7 @@ const MOST_NUMBERS: f64 = 3e9;
 const FEW_NUMBERS: usize = 3_000_000;
 /// Most numbers of a factor that the scene asks for: half a gigabyte.
 const MOST_ASKED_FOR: usize = 150_000_000;
+
 /// The factors, and what further iterations need.
 #[derive(Debug)]
 pub(super) struct ImplicitStep {

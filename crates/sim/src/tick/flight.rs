@@ -227,7 +227,7 @@ pub(super) fn meet(scene: &Scene, scratch: &mut Scratch) {
         let meeting_m_s = (row.now_m - row.gap_m) / scene.dt_s;
         let meets = restitution > 0.0 && row.gap_m < 0.0 && meeting_m_s > rest_m_s;
         let parting_m_s = meets.then(|| {
-            let falls = |body: &Body| f64::from(u8::from(body.free().is_some()));
+            let falls = |body: &Body| f64::from(body.free().is_some());
             let pull = row.normal.dot(&gravity) * (falls(body) - falls(holder));
             parting(restitution, meeting_m_s, row.now_m, pull, scene.dt_s)
         });
