@@ -61,6 +61,13 @@ async function drag(page, by, steps = 12, k = 0) {
   }
 }
 
+/** Waits until the mock has been sent a key so many times: what a page sends is on its way for a while. */
+async function untilSaid(mock, wanted, times = 1) {
+  for (const start = Date.now(); mock.said.filter(([key]) => key === wanted).length < times; await sleep(30)) {
+    if (Date.now() - start > PATIENCE_MS) throw new Error(`not within ${PATIENCE_MS} ms: ${wanted}, ${times} times`);
+  }
+}
+
 /** Pixels to drag a tool by so many metres. */
 const pixelsOf = async (page, metres, k = 0) => metres / (await report(page)).tools[k].screen.metresPerPixel;
 
@@ -135,7 +142,7 @@ test("a drag presses the body: force, dent, chart and number follow", async ({ o
   await shot(page, "press");
   await page.mouse.up();
   await until(page, () => window.palpate.report().hand === "free", "the tool given back");
-  assert.ok(mock.said.some(([key]) => key === "tool/ball/release"));
+  await untilSaid(mock, "tool/ball/release");
   await until(page, () => window.palpate.report().tools[0].holder === null, "nobody holds it");
 });
 
@@ -190,8 +197,7 @@ test("keys alone: take the tool, press, let go, pause, step, help", async ({ ope
   const { tick } = mock;
   await page.keyboard.press(".");
   await until(page, () => !document.getElementById("step").disabled, "the step button");
-  await sleep(200);
-  assert.ok(mock.tick > tick);
+  for (const start = Date.now(); mock.tick === tick; await sleep(30)) assert.ok(Date.now() - start < PATIENCE_MS, "no step was made");
   await page.keyboard.press("?");
   assert.ok(await page.locator("dialog#help").isVisible());
   await page.keyboard.press("Escape");
@@ -367,7 +373,7 @@ test("a page that goes to the background gives its tool back", async ({ open, mo
     document.dispatchEvent(new Event("visibilitychange"));
   });
   await until(page, () => window.palpate.report().hand === "free" && window.palpate.report().tools[0].holder === null, "the tool given back");
-  assert.ok(mock.said.some(([key]) => key === "tool/ball/release"));
+  await untilSaid(mock, "tool/ball/release");
   await page.mouse.up();
 });
 
@@ -564,7 +570,7 @@ test("cells inside bodies are shown where they are, and materials are told apart
   await untilChanged(page, before, 60, "the cells");
   await shot(page, "cells");
   await page.uncheck("[data-layer=lattice]");
-  for (let k = 0; k < 50 && mock.said.filter(([key]) => key === "inside").length < 2; k++) await sleep(30);
+  await untilSaid(mock, "inside", 2);
   assert.deepEqual(mock.said.filter(([key]) => key === "inside").map(([, payload]) => payload[0]), [1, 0]);
   before = await pixels(page);
   await page.selectOption("#colour-by", "stiffness");
@@ -924,7 +930,7 @@ if (palpate !== undefined) {
       const page = watch(await browser.newPage({ viewport: { width: 1280, height: 800 } }));
       await page.goto(running.url);
       await ready(page);
-      await until(page, () => Math.hypot(...window.palpate.report().tools[0].force) > 0.02, "a force of the recording", 30_000);
+      await until(page, () => Math.hypot(...window.palpate.report().tools[0].force) > 0.02, "a force of the recording");
       await page.keyboard.press("t");
       await until(page, () => document.getElementById("notices").textContent.includes("move by themselves"), "why not");
       assert.equal((await report(page)).hand, "free");
@@ -943,7 +949,7 @@ if (palpate !== undefined) {
       const page = watch(await browser.newPage({ viewport: { width: 1280, height: 800 } }));
       await page.goto(second.url);
       await ready(page);
-      const listed = (names) => until(page, `[...document.querySelectorAll("#instances option:not(:disabled)")].map(({ value }) => value).join() === "${names}" && !document.getElementById("instances").hidden`, names, 40_000);
+      const listed = (names) => until(page, `[...document.querySelectorAll("#instances option:not(:disabled)")].map(({ value }) => value).join() === "${names}" && !document.getElementById("instances").hidden`, names);
       await listed("one,two");
       await page.selectOption("#instances select", "one");
       await page.waitForURL(first.url);

@@ -119,9 +119,13 @@ test("the hand sends no pose before the tool is its own, then 60 a second or mor
   assert.ok(bus.encode(bus.DeviceInfo, said[0].info).length > 0);
   assert.equal(said[0].info.rate_hz, 60);
   world.tools[0].holder = hand.name;
+  // As many turns as a timer of 60 a second has beside it on this computer, busy or not.
+  let turns = 0;
+  const beside = setInterval(() => { turns += 1; }, 1000 / 60);
   await sleep(500);
+  clearInterval(beside);
   const poses = said.filter(({ what }) => what === "pose");
-  assert.ok(poses.length >= 30, `${poses.length} poses in half a second`);
+  assert.ok(turns > 2 && poses.length >= turns - 2, `${poses.length} poses in ${turns} turns`);
   poses.forEach(({ pose }, k) => assert.equal(pose.seq, BigInt(k + 1)));
   hand.end(null);
 });
@@ -150,7 +154,7 @@ test("letting go is gentle: the hand follows the proxy, then gives the tool back
   hand.move([-0.02, 0, 0]);
   await sleep(150);
   hand.letGo();
-  await sleep(1000);
+  for (const start = Date.now(); hand.state !== "free" && Date.now() - start < 60_000;) await sleep(20);
   assert.equal(hand.state, "free");
   assert.equal(said.at(-1).what, "release");
   const last = said.filter(({ what }) => what === "pose").at(-1).pose;
