@@ -42,6 +42,8 @@ pub struct Solid<'a, M: Fn(usize) -> Material> {
     pub grid: &'a CellGrid,
     /// Nodes from coordinates.
     pub map: NodeMap,
+    /// (cells): as [`Reduced::patch_of_cell`](super::net::Reduced::patch_of_cell).
+    pub patch_of_cell: &'a [u32],
     /// (coordinates), m, at rest.
     pub coordinates: Vec<Point3>,
     /// (control points).
@@ -68,6 +70,7 @@ impl<'a, M: Fn(usize) -> Material> Solid<'a, M> {
         Self {
             grid,
             map: NodeMap::Same,
+            patch_of_cell: &[],
             coordinates: grid.nodes.clone(),
             coordinate_of_control: grid.node_of_control.clone(),
             fixed: fixed.to_vec(),
@@ -89,6 +92,7 @@ impl<'a, M: Fn(usize) -> Material> Solid<'a, M> {
         let Self {
             grid,
             map,
+            patch_of_cell,
             coordinates,
             coordinate_of_control,
             fixed,
@@ -127,7 +131,7 @@ impl<'a, M: Fn(usize) -> Material> Solid<'a, M> {
             }
             // Smooth coordinates leave cells no motion without energy: one point a cell is enough.
             Inside::SmoothContinuum => {
-                MaterialLaw::continuum(ContinuumLaw::at_centres(grid, &of_cells())?)
+                MaterialLaw::continuum(ContinuumLaw::in_patches(grid, &of_cells(), patch_of_cell)?)
             }
         };
         let quality = grid.quality();

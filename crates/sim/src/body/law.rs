@@ -140,6 +140,13 @@ impl MaterialLaw {
         }
     }
 
+    /// Hands out what cells that share a pressure add to that tangent: k g gᵀ, g by node (m²) and k in N/m⁵.
+    pub(super) fn shared_at_rest(&self, out: &mut impl FnMut(&[(u32, Vector3)], f64)) {
+        for law in self.continua() {
+            law.shared_at_rest(out);
+        }
+    }
+
     /// Edges of the Laplacian that springs drawn to a tautness, 1 − rest length / length, have out of
     /// plane.
     pub(super) fn taut_edges(&self, taut: f64) -> Vec<(u32, u32, f64)> {

@@ -241,6 +241,38 @@ pub fn ring_cells(rings: &Rings, layers: usize) -> Vec<Cell> {
     cells
 }
 
+/// Of each of [`ring_cells`], the number of its patch of 2 × 2 × 2 neighbours.
+pub fn ring_patches(rings: &Rings, layers: usize) -> Vec<u32> {
+    let (around, along) = (rings.around, rings.along);
+    let steps_along = if rings.ends.axis_closed {
+        along
+    } else {
+        along - 1
+    };
+    let open = (0..steps_along).filter(|&j| !rings.is_closed_up(j)).count();
+    patches([layers, open, around])
+}
+
+/// Of each of [`sheet_cells`], the same.
+pub fn sheet_patches(rows: usize, columns: usize, layers: usize) -> Vec<u32> {
+    patches([layers - 1, rows - 1, columns - 1])
+}
+
+fn patches(counts: [usize; 3]) -> Vec<u32> {
+    let [layers, rows, columns] = counts;
+    let halves = [rows, columns].map(|count| count.div_ceil(2));
+    let mut of_cells = Vec::with_capacity(layers * rows * columns);
+    for layer in 0..layers {
+        for row in 0..rows {
+            for column in 0..columns {
+                let patch = (layer / 2 * halves[0] + row / 2) * halves[1] + column / 2;
+                of_cells.push(patch as u32);
+            }
+        }
+    }
+    of_cells
+}
+
 /// How far the medial curve ends before its poles.
 #[derive(Clone, Copy, Debug)]
 struct Insets {

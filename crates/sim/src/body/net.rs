@@ -88,6 +88,9 @@ pub struct Reduced {
     pub coordinates: Vec<Point3>,
     /// (control points).
     pub coordinate_of_control: Vec<u32>,
+    /// (cells): neighbours of one number share what nearly incompressible matter has of pressure; empty where
+    /// each cell has its own.
+    pub patch_of_cell: Vec<u32>,
 }
 
 /// A row of weights on coordinates that sum to one. Points of a rational surface are such sums too:
@@ -162,6 +165,7 @@ pub fn rings(
     }
     let map = NodeMap::from_rows(rows);
     let cells = layers::ring_cells(&fine, fine_layers);
+    let patch_of_cell = layers::ring_patches(&fine, fine_layers);
     let build = |medial: &[Point3]| {
         let grid = CellGrid {
             nodes: map.nodes(&stand(medial).0),
@@ -178,6 +182,7 @@ pub fn rings(
         map,
         coordinates,
         coordinate_of_control,
+        patch_of_cell,
     }
 }
 
@@ -240,6 +245,11 @@ pub fn sheet(
         map,
         coordinates,
         coordinate_of_control: (0..points.len() as u32).collect(),
+        patch_of_cell: layers::sheet_patches(
+            along_rows.rows.len(),
+            along_columns.rows.len(),
+            depth.rows.len(),
+        ),
     }
 }
 
@@ -288,6 +298,16 @@ mod tests {
                 let off = (node - exact.net().at(i, j)).norm();
                 assert!(off < 1e-14, "node {i}, {j} is off by {off}");
             }
+        }
+        // Patches of cells that meet at a node, eight of them but for odd counts.
+        let cells = &reduced.grid.cells;
+        assert_eq!(reduced.patch_of_cell.len(), cells.len());
+        for patch in 0..=*reduced.patch_of_cell.iter().max().unwrap() {
+            let of_patch = reduced.patch_of_cell.iter().zip(cells);
+            let of_patch = of_patch.filter(|(number, _)| **number == patch);
+            let of_patch: Vec<_> = of_patch.map(|(_, cell)| cell).collect();
+            let common = |node: &u32| of_patch.iter().all(|cell| cell.contains(node));
+            assert!((1..=8).contains(&of_patch.len()) && of_patch[0].iter().any(common));
         }
     }
 }

@@ -141,14 +141,27 @@ pub(super) fn of_law(matter: &Matter, strain: f64) -> BlockTriplets {
         .map(|p| [p.x, p.y, p.z, 0.0])
         .collect();
     match &matter.map {
-        NodeMap::Same => matter
-            .law
-            .tangent_at_rest(&nodes, strain, &mut |a, b, block| {
-                let (a, b) = (matter.unknown(a as usize), matter.unknown(b as usize));
-                if let (Some(a), Some(b)) = (a, b) {
-                    matrix.add(a, b, block * scale);
-                }
-            }),
+        NodeMap::Same => {
+            matter
+                .law
+                .tangent_at_rest(&nodes, strain, &mut |a, b, block| {
+                    let (a, b) = (matter.unknown(a as usize), matter.unknown(b as usize));
+                    if let (Some(a), Some(b)) = (a, b) {
+                        matrix.add(a, b, block * scale);
+                    }
+                });
+            matter.law.shared_at_rest(&mut |growth, stiffness| {
+                let of_coordinates = growth.iter().copied();
+                each_product(
+                    matter,
+                    of_coordinates,
+                    stiffness * scale,
+                    &mut |i, j, block| {
+                        matrix.add(i, j, block);
+                    },
+                );
+            });
+        }
         NodeMap::Sparse(map) => {
             // Many small products meet in each block of coordinates: gathered row by row.
             let mut sums: Vec<BTreeMap<usize, Matrix3>> = vec![BTreeMap::new(); matrix.n];
@@ -182,6 +195,22 @@ pub(super) fn of_law(matter: &Matter, strain: f64) -> BlockTriplets {
                     }
                 }
             }
+            matter.law.shared_at_rest(&mut |growth, stiffness| {
+                let of_nodes = growth.iter().map(|&(node, gradient)| {
+                    let (coordinates, weights) = map.row(node as usize);
+                    (gradient, coordinates.iter().zip(weights))
+                });
+                let of_coordinates =
+                    of_nodes.flat_map(|(gradient, row)| row.map(move |(&c, &w)| (c, gradient * w)));
+                each_product(
+                    matter,
+                    of_coordinates,
+                    stiffness * scale,
+                    &mut |i, j, block| {
+                        *sums[i].entry(j).or_insert_with(Matrix3::zeros) += block;
+                    },
+                );
+            });
             for (i, row) in sums.into_iter().enumerate() {
                 for (j, block) in row {
                     matrix.add(i, j, block);
@@ -190,4 +219,24 @@ pub(super) fn of_law(matter: &Matter, strain: f64) -> BlockTriplets {
         }
     }
     matrix
+}
+
+/// Hands out the lower blocks of k g gᵀ by unknowns, g given by coordinate in parts.
+fn each_product(
+    matter: &Matter,
+    parts: impl Iterator<Item = (u32, Vector3)>,
+    stiffness: f64,
+    out: &mut impl FnMut(usize, usize, Matrix3),
+) {
+    let mut gradient: BTreeMap<usize, Vector3> = BTreeMap::new();
+    for (coordinate, part) in parts {
+        if let Some(unknown) = matter.unknown(coordinate as usize) {
+            *gradient.entry(unknown).or_insert_with(Vector3::zeros) += part;
+        }
+    }
+    for (&i, a) in &gradient {
+        for (&j, b) in gradient.range(..=i) {
+            out(i, j, a * b.transpose() * stiffness);
+        }
+    }
 }

@@ -108,10 +108,6 @@ const KNOWN: &[(&str, &str)] = &[
         "two balls in one place each dent the solid as if the other were not there",
     ),
     (
-        "hard/incompressible/net/implicit",
-        "cells of a net are held back at ν = 0.499: the base misses 6 % of the force",
-    ),
-    (
         "hard/hundred-bodies/net/implicit",
         "slabs that a tool has left creep at more than 0.1 µm/s for seconds, so that nine of a hundred are awake",
     ),

@@ -1,7 +1,7 @@
 //! The scalar matrix that stands for the tangent in the implicit step.
 
 use super::hessian::cell_hessian;
-use super::{Cell, ContinuumLaw, Elastic, RestCell};
+use super::{Cell, ContinuumLaw, Elastic, RestCell, patch};
 use palpate_geometry::math::{Matrix3, Point3, Vector3};
 use std::collections::BTreeMap;
 
@@ -82,7 +82,7 @@ impl ContinuumLaw {
         out: &mut impl FnMut(u32, u32, Matrix3),
     ) {
         for (cell, elastic) in self.cells.iter().zip(&self.materials) {
-            let (shear, lame) = with_margins(elastic, strain);
+            let (shear, lame) = self.kept_with_margins(elastic, strain);
             let stiffer = Elastic {
                 young_pa: shear * (3.0 * lame + 2.0 * shear) / (lame + shear),
                 poisson: 0.5 * lame / (lame + shear),
@@ -100,19 +100,8 @@ impl ContinuumLaw {
         out: &mut impl FnMut(u32, u32, Matrix3),
     ) {
         for (cell, elastic) in self.cells.iter().zip(&self.materials) {
-            let (shear, lame) = with_margins(elastic, strain);
-            let slopes: [Vector3; 8] = std::array::from_fn(|corner| {
-                let slope = |bit: usize| if corner & bit != 0 { 0.125 } else { -0.125 };
-                Vector3::new(slope(4), slope(2), slope(1))
-            });
-            let places = cell.iter().zip(&slopes);
-            let map: Matrix3 = places
-                .map(|(&node, slope)| self.rest[node as usize].coords * slope.transpose())
-                .sum();
-            // A cell without volume at its centre has been refused.
-            let inverse = map.try_inverse().unwrap_or_else(Matrix3::zeros);
-            let volume = 8.0 * map.determinant().abs();
-            let gradients = slopes.map(|slope| inverse.transpose() * slope);
+            let (shear, lame) = self.kept_with_margins(elastic, strain);
+            let (gradients, volume) = self.gradients_at_centre(cell);
             for (i, a) in gradients.iter().enumerate() {
                 for (j, b) in gradients.iter().enumerate() {
                     if cell[i] >= cell[j] {
@@ -124,6 +113,44 @@ impl ContinuumLaw {
                 }
             }
         }
+    }
+}
+
+impl ContinuumLaw {
+    /// Hands out what patches of cells add to the tangent at rest: k g gᵀ, g by node (m²) and k in N/m⁵.
+    pub(in crate::body) fn shared_at_rest(&self, out: &mut impl FnMut(&[(u32, Vector3)], f64)) {
+        for patch in &self.patches {
+            let growth = patch.growth(&self.blocks, |cell| {
+                let (gradients, volume) = self.gradients_at_centre(cell);
+                gradients.map(|gradient| gradient * volume)
+            });
+            out(&growth, VOLUME_MARGIN * patch.lame_pa / patch.volume_m3);
+        }
+    }
+
+    /// μ and λ of the tangent, Pa, with their margins, of what cells do not share.
+    fn kept_with_margins(&self, elastic: &Elastic, strain: f64) -> (f64, f64) {
+        let (shear, lame) = with_margins(elastic, strain);
+        match self.patches.is_empty() {
+            true => (shear, lame),
+            false => (shear, with_margins(&patch::own(elastic), strain).1),
+        }
+    }
+
+    /// Gradients of the corners at the centre of a cell at rest, 1/m, and its volume by them, m³.
+    fn gradients_at_centre(&self, cell: &Cell) -> ([Vector3; 8], f64) {
+        let slopes: [Vector3; 8] = std::array::from_fn(|corner| {
+            let slope = |bit: usize| if corner & bit != 0 { 0.125 } else { -0.125 };
+            Vector3::new(slope(4), slope(2), slope(1))
+        });
+        let places = cell.iter().zip(&slopes);
+        let map: Matrix3 = places
+            .map(|(&node, slope)| self.rest[node as usize].coords * slope.transpose())
+            .sum();
+        // A cell without volume at its centre has been refused.
+        let inverse = map.try_inverse().unwrap_or_else(Matrix3::zeros);
+        let gradients = slopes.map(|slope| inverse.transpose() * slope);
+        (gradients, 8.0 * map.determinant().abs())
     }
 }
 

@@ -316,7 +316,10 @@ impl ContinuumLaw {
     /// Hands out each point: its lane, its cell in the lane, the cell's ν, and G = ∂x/∂ξ at `places`.
     fn each_point(&self, places: &[Lane], out: &mut impl FnMut(usize, usize, f64, &Matrix3)) {
         let count = self.point_count();
+        let mut first = 0;
         for (k, block) in self.blocks.iter().enumerate() {
+            let materials = &self.materials[first..first + block.count];
+            first += block.count;
             let c = modes::<Baseline>(&block.nodes, places);
             let slopes = slopes(&c);
             for point in 0..count {
@@ -337,7 +340,6 @@ impl ContinuumLaw {
                         }
                     }
                 }
-                let materials = &self.materials[4 * k..(4 * k + 4).min(self.materials.len())];
                 for (cell, (matrix, elastic)) in four.iter().zip(materials).enumerate() {
                     out(count * k + point, cell, elastic.poisson, matrix);
                 }
@@ -349,7 +351,9 @@ impl ContinuumLaw {
     fn places_of_points(&self) -> Vec<(usize, Point3)> {
         let mut points = Vec::new();
         let count = self.point_count();
-        for (index, cell) in self.cells.iter().enumerate() {
+        let blocks = self.blocks.iter().enumerate();
+        let lanes = blocks.flat_map(|(k, block)| (0..block.count).map(move |cell| (k, cell)));
+        for ((block, in_block), cell) in lanes.zip(&self.cells) {
             for point in 0..count {
                 let mut place = Vector3::zeros();
                 for (corner, &node) in cell.iter().enumerate() {
@@ -364,8 +368,8 @@ impl ContinuumLaw {
                     };
                     place += self.rest[node as usize].coords * weight;
                 }
-                let lane = count * (index / 4) + point;
-                points.push((4 * lane + index % 4, Point3::from(place)));
+                let lane = count * block + point;
+                points.push((4 * lane + in_block, Point3::from(place)));
             }
         }
         points

@@ -17,6 +17,8 @@ pub(super) struct CellBlock {
     pub metric: [[Four; 6]; 8],
     /// (Gauss point): μ' × share of the volume, J.
     pub stiffness_j: [Four; 8],
+    /// Cells that are there, the first of the four.
+    pub count: usize,
     /// (corner, cell).
     pub nodes: [[u32; 4]; 8],
     /// 1 / V₀, with the sign of the winding, 1/m³.
@@ -31,7 +33,7 @@ pub(super) struct CellBlock {
     pub reach: Four,
 }
 
-type Triple<L> = [L; 3];
+pub(super) type Triple<L> = [L; 3];
 
 #[inline(always)]
 fn plus<L: Lanes>(a: Triple<L>, b: Triple<L>) -> Triple<L> {

@@ -17,6 +17,7 @@ mod centre;
 mod flow;
 mod hessian;
 mod kernel;
+mod patch;
 mod rest;
 #[cfg(test)]
 pub(super) mod tests;
@@ -29,6 +30,7 @@ pub(in crate::body) use flow::CellFlow;
 use kernel::CellBlock;
 use palpate_geometry::math::lanes::{Baseline, Four, Lanes};
 use palpate_geometry::math::{Lane, Point3, Vector3};
+use patch::Patch;
 use rest::RestCell;
 
 /// Young's modulus and Poisson's ratio at small strain.
@@ -114,9 +116,12 @@ pub struct ContinuumLaw {
     /// (cells / 4, rounded up).
     blocks: Vec<CellBlock>,
     rest: Vec<Point3>,
+    /// In the order of the blocks.
     cells: Vec<Cell>,
     materials: Vec<Elastic>,
     points: Points,
+    /// Cells that share a pressure; empty where each has its own.
+    patches: Vec<Patch>,
 }
 
 /// Where a cell's energy is integrated.
@@ -167,7 +172,43 @@ impl ContinuumLaw {
             cells,
             materials,
             points,
+            patches: Vec::new(),
         })
+    }
+
+    /// The same, where cells of one number in `patch_of_cell` are neighbours, and nearly incompressible ones
+    /// share a pressure: of more cells than coordinates each would keep its own volume, and all would lock.
+    ///
+    /// # Errors
+    /// As [`ContinuumLaw::new`].
+    pub fn in_patches(
+        grid: &CellGrid,
+        elastic: &[Elastic],
+        patch_of_cell: &[u32],
+    ) -> Result<Self, ContinuumError> {
+        check(grid, elastic)?;
+        let groups = patch::grouped(patch_of_cell, elastic);
+        if groups.iter().map(Vec::len).sum::<usize>() < grid.cells.len() {
+            return Self::at_centres(grid, elastic);
+        }
+        let mut law = Self {
+            blocks: Vec::new(),
+            rest: grid.nodes.clone(),
+            cells: Vec::new(),
+            materials: Vec::new(),
+            points: Points::Centre,
+            patches: Vec::new(),
+        };
+        for group in groups {
+            let cells: Vec<Cell> = group.iter().map(|&cell| grid.cells[cell]).collect();
+            let materials: Vec<Elastic> = group.iter().map(|&cell| elastic[cell]).collect();
+            let (blocks, patch) = patch::blocks(grid, &cells, &materials, law.blocks.len());
+            law.blocks.extend(blocks);
+            law.cells.extend(cells);
+            law.materials.extend(materials);
+            law.patches.push(patch);
+        }
+        Ok(law)
     }
 
     /// Number of nodes.
@@ -208,38 +249,23 @@ impl ContinuumLaw {
         if palpate_geometry::math::simd::has_avx2() {
             // SAFETY: the processor has AVX2, asked just above.
             #[allow(unsafe_code)]
-            return unsafe {
-                add_forces_avx2(
-                    &self.blocks,
-                    self.points,
-                    metrics,
-                    places,
-                    residual,
-                    farther,
-                )
-            };
+            return unsafe { add_forces_avx2(self, metrics, places, residual, farther) };
         }
-        add_forces::<Baseline>(
-            &self.blocks,
-            self.points,
-            metrics,
-            places,
-            residual,
-            farther,
-        )
+        add_forces::<Baseline>(self, metrics, places, residual, farther)
     }
 
     /// −∂Ψ/∂x (node_count), N, with no cell held back: for offline solvers, which need no matrix to
     /// follow.
     pub fn exact_forces(&self, places: &[Lane]) -> Vec<Vector3> {
         let mut residual = vec![[0.0; 4]; places.len()];
-        for block in &self.blocks {
-            let free = CellBlock {
-                reach: [f64::MAX; 4],
-                ..block.clone()
-            };
-            add_forces::<Baseline>(&[free], self.points, &[], places, &mut residual, 1.0);
-        }
+        let mut free = self.clone();
+        free.blocks
+            .iter_mut()
+            .for_each(|block| block.reach = [f64::MAX; 4]);
+        free.patches
+            .iter_mut()
+            .for_each(|patch| patch.reach = f64::MAX);
+        add_forces::<Baseline>(&free, &[], places, &mut residual, 1.0);
         residual
             .iter()
             .map(|r| Vector3::new(r[0], r[1], r[2]))
@@ -262,7 +288,14 @@ impl ContinuumLaw {
                 metrics_of(block, metrics, k).map(|own| centre::energy(block, own, places))
             }
         });
-        energies.map(|four| four.iter().sum::<f64>()).sum()
+        let shared = self
+            .patches
+            .iter()
+            .map(|patch| patch.energy_j(&self.blocks, places));
+        energies
+            .map(|four| four.iter().sum::<f64>())
+            .chain(shared)
+            .sum()
     }
 }
 
@@ -282,16 +315,25 @@ fn metrics_of<'a, const N: usize>(
 
 #[inline(always)]
 fn add_forces<L: Lanes>(
-    blocks: &[CellBlock],
-    points: Points,
+    law: &ContinuumLaw,
     metrics: &[Lane],
     places: &[Lane],
     residual: &mut [Lane],
     farther: f64,
 ) -> Pass {
+    let blocks = &law.blocks;
     let mut limited = 0;
+    for patch in &law.patches {
+        if patch::add_forces::<L>(patch, blocks, metrics, places, residual, farther) {
+            let own = &blocks[patch.first..patch.first + patch.count];
+            limited += own.iter().map(|block| block.count as u32).sum::<u32>();
+        }
+    }
+    if !law.patches.is_empty() {
+        return Pass { limited };
+    }
     let farther = L::splat(farther);
-    match points {
+    match law.points {
         Points::Eight => {
             for (k, block) in blocks.iter().enumerate() {
                 let Some(own) = metrics_of(block, metrics, k) else {
@@ -318,16 +360,13 @@ fn add_forces<L: Lanes>(
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
 fn add_forces_avx2(
-    blocks: &[CellBlock],
-    points: Points,
+    law: &ContinuumLaw,
     metrics: &[Lane],
     places: &[Lane],
     residual: &mut [Lane],
     farther: f64,
 ) -> Pass {
-    add_forces::<palpate_geometry::math::lanes::Wide>(
-        blocks, points, metrics, places, residual, farther,
-    )
+    add_forces::<palpate_geometry::math::lanes::Wide>(law, metrics, places, residual, farther)
 }
 
 fn block_energy(block: &CellBlock, metrics: &[[Four; 6]; 8], places: &[Lane]) -> Four {
@@ -418,6 +457,7 @@ pub(super) fn refused_cells(grid: &CellGrid) -> usize {
 /// Up to four cells. The places of missing ones are those of the first, their stiffness is zero.
 fn block(nodes: &[Point3], cells: &[Cell], materials: &[Elastic]) -> CellBlock {
     let mut block = CellBlock {
+        count: cells.len(),
         metric: [[[0.0; 4]; 6]; 8],
         stiffness_j: [[0.0; 4]; 8],
         nodes: cells[0].map(|node| [node; 4]),

@@ -35,6 +35,7 @@ fn layered(body: &Inputs<'_>, surface: &Surface) -> Option<(Reduced, f64)> {
             map: NodeMap::Same,
             coordinates,
             coordinate_of_control,
+            patch_of_cell: Vec::new(),
         },
         volume,
     ))
@@ -75,6 +76,7 @@ fn riding(body: &Inputs<'_>, surface: &Surface) -> Option<(Reduced, f64)> {
             map,
             coordinates,
             coordinate_of_control,
+            patch_of_cell: Vec::new(),
         },
         volume,
     ))

@@ -255,6 +255,7 @@ pub(super) fn solid<'s>(
         map,
         coordinates,
         coordinate_of_control,
+        patch_of_cell,
     } = moved;
     let moves = fixed::Moved {
         nodes: &grid.nodes,
@@ -272,6 +273,7 @@ pub(super) fn solid<'s>(
         let solid = Solid {
             grid: &grid,
             map: map.clone(),
+            patch_of_cell: &patch_of_cell,
             coordinates: coordinates.clone(),
             coordinate_of_control: coordinate_of_control.clone(),
             fixed: fixed.clone(),

@@ -242,13 +242,10 @@ fn wide_forces_have_the_bits_of_the_baseline() {
             let solid = uniform(&grid, 20e3, 0.45);
             let places = strained(&grid, length_m, amount, 11);
             let (mut slow, mut fast) = (vec![[0.5; 4]; places.len()], vec![[0.5; 4]; places.len()]);
-            let pass =
-                add_forces::<Baseline>(&solid.blocks, solid.points, &[], &places, &mut slow, 1.0);
+            let pass = add_forces::<Baseline>(&solid, &[], &places, &mut slow, 1.0);
             // SAFETY: the processor has AVX2, asked above.
             #[allow(unsafe_code)]
-            let other = unsafe {
-                add_forces_avx2(&solid.blocks, solid.points, &[], &places, &mut fast, 1.0)
-            };
+            let other = unsafe { add_forces_avx2(&solid, &[], &places, &mut fast, 1.0) };
             assert_eq!(pass, other);
             for (a, b) in slow.iter().flatten().zip(fast.iter().flatten()) {
                 assert!(
