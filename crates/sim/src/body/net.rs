@@ -88,8 +88,8 @@ pub struct Reduced {
     pub coordinates: Vec<Point3>,
     /// (control points).
     pub coordinate_of_control: Vec<u32>,
-    /// (cells): neighbours of one number share what nearly incompressible matter has of pressure; empty where
-    /// each cell has its own.
+    /// (cells): number of the patch of neighbours with which a nearly incompressible cell shares its pressure;
+    /// empty where each cell has its own.
     pub patch_of_cell: Vec<u32>,
 }
 

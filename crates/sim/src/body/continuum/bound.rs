@@ -114,9 +114,7 @@ impl ContinuumLaw {
             }
         }
     }
-}
 
-impl ContinuumLaw {
     /// Hands out what patches of cells add to the tangent at rest: k g gᵀ, g by node (m²) and k in N/m⁵.
     pub(in crate::body) fn shared_at_rest(&self, out: &mut impl FnMut(&[(u32, Vector3)], f64)) {
         for patch in &self.patches {

@@ -176,8 +176,9 @@ impl ContinuumLaw {
         })
     }
 
-    /// The same, where cells of one number in `patch_of_cell` are neighbours, and nearly incompressible ones
-    /// share a pressure: of more cells than coordinates each would keep its own volume, and all would lock.
+    /// The same for grids with more cells than coordinates, in which nearly incompressible cells would lock if
+    /// each kept its own volume. From ν = 0.4 on, cells with the same number in `patch_of_cell` (cells) share a
+    /// pressure; they must be neighbours. Empty: every cell has its own.
     ///
     /// # Errors
     /// As [`ContinuumLaw::new`].
@@ -187,8 +188,12 @@ impl ContinuumLaw {
         patch_of_cell: &[u32],
     ) -> Result<Self, ContinuumError> {
         check(grid, elastic)?;
+        debug_assert!(
+            patch_of_cell.is_empty() || patch_of_cell.len() == grid.cells.len(),
+            "one number a cell, or none"
+        );
         let groups = patch::grouped(patch_of_cell, elastic);
-        if groups.iter().map(Vec::len).sum::<usize>() < grid.cells.len() {
+        if groups.is_empty() {
             return Self::at_centres(grid, elastic);
         }
         let mut law = Self {
@@ -258,13 +263,22 @@ impl ContinuumLaw {
     /// follow.
     pub fn exact_forces(&self, places: &[Lane]) -> Vec<Vector3> {
         let mut residual = vec![[0.0; 4]; places.len()];
-        let mut free = self.clone();
-        free.blocks
-            .iter_mut()
-            .for_each(|block| block.reach = [f64::MAX; 4]);
-        free.patches
-            .iter_mut()
-            .for_each(|patch| patch.reach = f64::MAX);
+        let block = |block: &CellBlock| CellBlock {
+            reach: [f64::MAX; 4],
+            ..block.clone()
+        };
+        let patch = |patch: &Patch| Patch {
+            reach: f64::MAX,
+            ..patch.clone()
+        };
+        let free = Self {
+            blocks: self.blocks.iter().map(block).collect(),
+            patches: self.patches.iter().map(patch).collect(),
+            rest: Vec::new(),
+            cells: Vec::new(),
+            materials: Vec::new(),
+            points: self.points,
+        };
         add_forces::<Baseline>(&free, &[], places, &mut residual, 1.0);
         residual
             .iter()
@@ -323,23 +337,21 @@ fn add_forces<L: Lanes>(
 ) -> Pass {
     let blocks = &law.blocks;
     let mut limited = 0;
-    for patch in &law.patches {
-        if patch::add_forces::<L>(patch, blocks, metrics, places, residual, farther) {
-            let own = &blocks[patch.first..patch.first + patch.count];
-            limited += own.iter().map(|block| block.count as u32).sum::<u32>();
-        }
-    }
-    if !law.patches.is_empty() {
-        return Pass { limited };
-    }
-    let farther = L::splat(farther);
+    let reach = L::splat(farther);
     match law.points {
+        Points::Centre if !law.patches.is_empty() => {
+            for patch in &law.patches {
+                if patch.add_forces::<L>(blocks, metrics, places, residual, farther) {
+                    limited += patch.of(blocks).iter().map(|b| b.count as u32).sum::<u32>();
+                }
+            }
+        }
         Points::Eight => {
             for (k, block) in blocks.iter().enumerate() {
                 let Some(own) = metrics_of(block, metrics, k) else {
                     continue;
                 };
-                let held = kernel::add_forces::<L>(block, own, places, residual, farther);
+                let held = kernel::add_forces::<L>(block, own, places, residual, reach);
                 limited += held.count_ones();
             }
         }
@@ -348,7 +360,7 @@ fn add_forces<L: Lanes>(
                 let Some(own) = metrics_of(block, metrics, k) else {
                     continue;
                 };
-                let held = centre::add_forces::<L>(block, own, places, residual, farther);
+                let held = centre::add_forces::<L>(block, own, places, residual, reach);
                 limited += held.count_ones();
             }
         }

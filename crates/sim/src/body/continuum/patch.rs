@@ -1,7 +1,7 @@
 //! One pressure for several cells, for grids whose nodes are moved by fewer, smoother coordinates.
 //!
-//! Nearly incompressible cells that are more than the coordinates would each keep its own volume, and leave
-//! no motion free (locking). What λ is beyond [`OWN_LAME`] therefore acts on the volume of a patch of up to
+//! Where there are more cells than coordinates, nearly incompressible cells lock if each keeps its own volume:
+//! hardly any motion is left free. What λ is beyond [`OWN_LAME`] therefore acts on the volume of a patch of up to
 //! eight neighbouring cells: Ψ = Σ Ψ_cell(μ, λ_own) + V₀ (λ − λ_own) / 2 (J̄ − 1)², J̄ the volume of the
 //! patch over that at rest. It is the selective reduced integration of Malkus & Hughes 1978 with the mean
 //! dilatation of Nagtegaal, Parks & Rice 1974 over patches. Below ν = 0.4 nothing is shared.
@@ -36,14 +36,14 @@ pub(super) struct Patch {
     pub per_bulk: f64,
 }
 
-/// λ that a cell keeps, and what it shares, Pa.
+/// λ in two parts, Pa: what acts on each cell by itself, and what acts on its patch.
 fn parted(elastic: &Elastic) -> (f64, f64) {
     let (shear, lame) = elastic.lame_pa();
     let own = lame.min(OWN_LAME * shear);
     (own, lame - own)
 }
 
-/// The same shear modulus with the λ that a cell keeps.
+/// A material with the same μ whose λ is only the part that acts on each cell by itself.
 pub(super) fn own(elastic: &Elastic) -> Elastic {
     let (shear, _) = elastic.lame_pa();
     let (own, shared) = parted(elastic);
@@ -84,7 +84,8 @@ pub(super) fn grouped(patch_of_cell: &[u32], elastic: &[Elastic]) -> Vec<Vec<usi
     together.into_values().flatten().collect()
 }
 
-/// The blocks of such a patch, whose cells keep their own part of λ.
+/// The blocks of a patch's cells, which have their own part of λ alone, and the patch; `first` is the number
+/// of its first block.
 pub(super) fn blocks(
     grid: &CellGrid,
     cells: &[Cell],
@@ -124,69 +125,73 @@ pub(super) fn blocks(
     (blocks, patch)
 }
 
-/// Adds −∂Ψ/∂x of a patch's cells; true where they were held back, as in
-/// [`kernel::pressure`](super::kernel::pressure).
-#[inline(always)]
-pub(super) fn add_forces<L: Lanes>(
-    patch: &Patch,
-    blocks: &[CellBlock],
-    metrics: &[Lane],
-    places: &[Lane],
-    residual: &mut [Lane],
-    farther: f64,
-) -> bool {
-    let range = patch.first..patch.first + patch.count;
-    let of_patch = &blocks[range];
-    let Some(own) = super::metrics_of::<1>(&blocks[patch.first], metrics, patch.first) else {
-        return false;
-    };
-    // Filled again where there is a second block.
-    let mut centres = [Centres::<L>::new(&of_patch[0], &own[0], places); MOST_BLOCKS];
-    for (k, block) in of_patch.iter().enumerate().skip(1) {
-        if let Some(own) = super::metrics_of::<1>(block, metrics, patch.first + k) {
-            centres[k] = Centres::new(block, &own[0], places);
-        }
-    }
-    let (mut volume, mut grown, mut largest) = (0.0, 0.0_f64, 0.0_f64);
-    for (block, centres) in of_patch.iter().zip(&centres) {
-        let (mut of_cells, mut invariants): (Four, Four) = ([0.0; 4], [0.0; 4]);
-        centres.volume.store(&mut of_cells);
-        centres.largest.store(&mut invariants);
-        for cell in 0..block.count {
-            volume += of_cells[cell] * block.winding[cell];
-            let by_itself = of_cells[cell] * block.per_volume[cell] - 1.0;
-            grown = grown.max(block.bulk_pa[cell] * by_itself.abs());
-            largest = largest.max(invariants[cell]);
-        }
-    }
-    // What has overflowed is far out of reach, whatever it is.
-    let number = |x: f64| match x.is_nan() {
-        true => 1e90,
-        false => x.clamp(-1e90, 1e90),
-    };
-    let whole = number(volume / patch.volume_m3 - 1.0);
-    let reach = patch.reach * farther;
-    let pressed = (number(grown) + patch.lame_pa * whole.abs()) * patch.per_bulk;
-    let bend = pressed * (largest / 3.0).sqrt() * 2.0;
-    let excess = largest * largest / 3.0 + bend;
-    let followed = reach / excess.max(reach);
-    let followed = followed * followed;
-    let shared = L::splat(patch.lame_pa * whole);
-    for (block, centres) in of_patch.iter().zip(&centres) {
-        let grown = centres.volume * L::load(&block.per_volume) - L::splat(1.0);
-        let grown = grown.greatest(L::splat(-1e90)).least(L::splat(1e90));
-        let pressure = L::load(&block.bulk_pa) * grown - L::load(&block.shear_pa) + shared;
-        let pressure = pressure * L::splat(followed) * L::load(&block.winding);
-        centres.push(block, pressure, residual);
-    }
-    excess > reach
-}
-
 impl Patch {
+    /// Its blocks among all.
+    pub(super) fn of<'a>(&self, blocks: &'a [CellBlock]) -> &'a [CellBlock] {
+        &blocks[self.first..self.first + self.count]
+    }
+
+    /// Adds −∂Ψ/∂x of a patch's cells; true where they were held back, as in
+    /// [`kernel::pressure`](super::kernel::pressure).
+    #[inline(always)]
+    pub(super) fn add_forces<L: Lanes>(
+        &self,
+        blocks: &[CellBlock],
+        metrics: &[Lane],
+        places: &[Lane],
+        residual: &mut [Lane],
+        farther: f64,
+    ) -> bool {
+        let of_patch = self.of(blocks);
+        let Some(own) = super::metrics_of::<1>(&of_patch[0], metrics, self.first) else {
+            return false;
+        };
+        // Filled again where there is a second block.
+        let mut centres = [Centres::<L>::new(&of_patch[0], &own[0], places); MOST_BLOCKS];
+        for (k, block) in of_patch.iter().enumerate().skip(1) {
+            if let Some(own) = super::metrics_of::<1>(block, metrics, self.first + k) {
+                centres[k] = Centres::new(block, &own[0], places);
+            }
+        }
+        let (mut volume, mut grown, mut largest) = (0.0, 0.0_f64, 0.0_f64);
+        for (block, centres) in of_patch.iter().zip(&centres) {
+            let (mut of_cells, mut invariants): (Four, Four) = ([0.0; 4], [0.0; 4]);
+            centres.volume.store(&mut of_cells);
+            centres.largest.store(&mut invariants);
+            for cell in 0..block.count {
+                volume += of_cells[cell] * block.winding[cell];
+                let by_itself = of_cells[cell] * block.per_volume[cell] - 1.0;
+                grown = grown.max(block.bulk_pa[cell] * by_itself.abs());
+                largest = largest.max(invariants[cell]);
+            }
+        }
+        // What has overflowed is far out of reach, whatever it is.
+        let number = |x: f64| match x.is_nan() {
+            true => 1e90,
+            false => x.clamp(-1e90, 1e90),
+        };
+        let whole = number(volume / self.volume_m3 - 1.0);
+        let reach = self.reach * farther;
+        let pressed = (number(grown) + self.lame_pa * whole.abs()) * self.per_bulk;
+        let bend = pressed * (largest / 3.0).sqrt() * 2.0;
+        let excess = largest * largest / 3.0 + bend;
+        let followed = reach / excess.max(reach);
+        let followed = followed * followed;
+        let shared = L::splat(self.lame_pa * whole);
+        for (block, centres) in of_patch.iter().zip(&centres) {
+            let grown = centres.volume * L::load(&block.per_volume) - L::splat(1.0);
+            let grown = grown.greatest(L::splat(-1e90)).least(L::splat(1e90));
+            let pressure = L::load(&block.bulk_pa) * grown - L::load(&block.shear_pa) + shared;
+            let pressure = pressure * L::splat(followed) * L::load(&block.winding);
+            centres.push(block, pressure, residual);
+        }
+        excess > reach
+    }
+
     /// Energy of what the cells share, J.
     pub(super) fn energy_j(&self, blocks: &[CellBlock], places: &[Lane]) -> f64 {
         let mut volume = 0.0;
-        for block in &blocks[self.first..self.first + self.count] {
+        for block in self.of(blocks) {
             let of_cells = centre::volumes(block, places);
             for cell in 0..block.count {
                 volume += of_cells[cell] * block.winding[cell];
@@ -203,7 +208,7 @@ impl Patch {
         slopes: impl Fn(&Cell) -> [Vector3; 8],
     ) -> Vec<(u32, Vector3)> {
         let mut growth: BTreeMap<u32, Vector3> = BTreeMap::new();
-        for block in &blocks[self.first..self.first + self.count] {
+        for block in self.of(blocks) {
             for k in 0..block.count {
                 let cell: Cell = block.nodes.map(|four| four[k]);
                 for (&node, slope) in cell.iter().zip(slopes(&cell)) {
@@ -217,7 +222,7 @@ impl Patch {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::Random;
+    use super::super::tests::{Random, assert_forces_are_slopes};
     use super::super::{ContinuumLaw, add_forces};
     use super::*;
     use crate::body::CubeLattice;
@@ -272,8 +277,8 @@ mod tests {
         let solid = solid();
         assert_eq!((solid.cell_count(), solid.patches.len()), (36, 8));
         for patch in &solid.patches {
-            let blocks = &solid.blocks[patch.first..patch.first + patch.count];
-            let cells = blocks
+            let cells = patch
+                .of(&solid.blocks)
                 .iter()
                 .flat_map(|block| (0..block.count).map(|k| block.nodes.map(|four| four[k])));
             let cells: Vec<Cell> = cells.collect();
@@ -318,24 +323,7 @@ mod tests {
         assert!(at_rest.abs() < 1e-12, "{at_rest} J at rest");
         for scale in [1e-3, 8e-3] {
             let places = moved(&solid, scale, &mut random);
-            let forces = solid.exact_forces(&places);
-            let largest = forces.iter().map(|f| f.norm()).fold(0.0, f64::max);
-            for node in 0..places.len() {
-                for c in 0..3 {
-                    let step = 1e-7;
-                    let (mut above, mut below) = (places.clone(), places.clone());
-                    above[node][c] += step;
-                    below[node][c] -= step;
-                    let slope = (solid.energy_j(&above) - solid.energy_j(&below)) / (2.0 * step);
-                    let off = (forces[node][c] + slope).abs();
-                    assert!(
-                        off < 1e-5 * largest,
-                        "{} is not {}",
-                        forces[node][c],
-                        -slope
-                    );
-                }
-            }
+            assert_forces_are_slopes(&solid, &places);
         }
     }
 
