@@ -1,7 +1,7 @@
 //! What must not become force: daemons that die, clients that do not read, strangers, slow loops,
 //! bodies in each other. Each test is a defect that was there.
 
-use crate::daemon::{Daemon, PROGRAM, SOFT_DROP, free_port};
+use crate::daemon::{Daemon, PROGRAM, free_port, too_slow};
 use palpate_client::proto::codec::encode;
 use palpate_client::proto::messages::{DeviceInfo, EventKind, ToolPose};
 use palpate_client::{Connect, Palpate, pose_at};
@@ -326,11 +326,7 @@ fn a_second_daemon_of_one_name_is_refused() {
 #[test]
 fn a_loop_that_does_not_keep_its_rate_sends_no_force_and_is_not_ready() {
     let directory = tempfile::tempdir().unwrap();
-    let scene = SOFT_DROP
-        .replace("refine = [12, 13]", "refine = [40, 41]")
-        .replace("layers = 2", "layers = 5");
-    let scene = format!("[loop]\nrate_hz = 10000\n{scene}");
-    let (daemon, port) = crate::page::serve(directory.path(), &scene, &[]);
+    let (daemon, port) = crate::page::serve(directory.path(), &too_slow(), &[]);
     let palpate = daemon.connect();
     let mut tool = palpate.tool("ball").unwrap();
     let mut slow_forces = 0;

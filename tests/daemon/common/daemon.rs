@@ -24,6 +24,17 @@ shape = { sphere = { radius_m = 0.01 } }
 pose = { position = [0.06, 0.003, 0.045] }
 "#;
 
+/// [`SOFT_DROP`] at a rate that no machine keeps: the body never sleeps, and a step of it takes as long as ten
+/// ticks.
+pub fn too_slow() -> String {
+    let awake = "model = \"lattice\"\nintegrator = { sleep_m_s = 0.0 }";
+    let drop = SOFT_DROP
+        .replace("refine = [12, 13]", "refine = [40, 41]")
+        .replace("layers = 2", "layers = 5")
+        .replace("model = \"lattice\"", awake);
+    format!("[loop]\nrate_hz = 10000\n{drop}")
+}
+
 /// A port that nobody listens on and no other test of this program gets, below those that the system
 /// gives to connections.
 pub fn free_port() -> u16 {
