@@ -1,5 +1,7 @@
 """Scenes and trajectories that the tests share. The installed package is tested, not the directory beside."""
 
+import signal
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -77,3 +79,11 @@ def pressed(tmp_path_factory: pytest.TempPathFactory) -> "tuple[Path, Any]":
     with pp.serve(soft(), clock="lockstep", record=path) as daemon, daemon.tool("ball") as ball:
         forces = [ball.step(place).force for place in press(400)]
     return path, np.array(forces)
+
+
+@pytest.fixture
+def ctrl_c() -> "Iterator[None]":
+    """Ctrl-C raises, as in a shell: what a script starts in the background ignores it from the start."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)

@@ -166,6 +166,7 @@ def test_the_gil_is_free_while_a_batch_steps(soft_scene: pp.Scene) -> None:
     assert count > 100, "this thread ran beside it"
 
 
+@pytest.mark.usefixtures("ctrl_c")
 def test_ctrl_c_ends_a_batch_with_all_copies_at_one_tick(soft_scene: pp.Scene) -> None:
     batch = pp.Batch(soft_scene, n=4)
     begun = time.monotonic()
@@ -180,6 +181,7 @@ def test_ctrl_c_ends_a_batch_with_all_copies_at_one_tick(soft_scene: pp.Scene) -
     np.testing.assert_array_equal(batch.tick(), ticks + 3)
 
 
+@pytest.mark.usefixtures("ctrl_c")
 def test_ctrl_c_ends_a_long_step(rigid_scene: pp.Scene) -> None:
     sim = rigid_scene.simulate()
     threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGINT)).start()

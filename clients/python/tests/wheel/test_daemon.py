@@ -259,6 +259,7 @@ def test_daemons_started_from_other_threads_outlive_them() -> None:
         assert probe.step((0.0, 0.0, 0.04)).tick == 1
 
 
+@pytest.mark.usefixtures("ctrl_c")
 def test_ctrl_c_ends_waiting_for_a_force(palpate_daemon: Any) -> None:
     import threading
 
