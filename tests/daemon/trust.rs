@@ -340,6 +340,7 @@ fn a_loop_that_does_not_keep_its_rate_sends_no_force_and_is_not_ready() {
     });
     sleep(0.2);
     let force = tool.force().unwrap();
+    assert!(force.contact_count > 0, "the ball touches: {force:?}");
     assert_eq!((force.force, force.torque), ([0.0; 3], [0.0; 3]));
     // Asked for, not listened to: a slow loop says so once, perhaps before anybody listens.
     let events = palpate.past_events(0).unwrap();
