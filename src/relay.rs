@@ -7,6 +7,7 @@
 //! What the router does with messages is told to Zenoh as downsampling and access-control rules; nothing
 //! of ours touches them on their way.
 
+use crate::transport::{ROUTER_PATIENCE, bound};
 use palpate_client::is_secured;
 use palpate_proto::messages::{ControlNet, Message};
 use serde_json::{Value, json};
@@ -257,6 +258,7 @@ impl RelaySettings {
         for (key, value) in self.rules(upstream) {
             set(&mut config, key, &value)?;
         }
+        bound(&mut config, ROUTER_PATIENCE).map_err(RelayError::Zenoh)?;
         zenoh::open(config)
             .wait()
             .map_err(|error| RelayError::Zenoh(error.to_string()))

@@ -40,6 +40,7 @@ mod text;
 mod view;
 mod waiting;
 
+use crate::transport::many_receive_threads;
 use clap::{CommandFactory, Parser, Subcommand};
 use std::process::ExitCode;
 
@@ -213,6 +214,12 @@ pub fn code_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> u8 
         let _ = Cli::command().print_help();
         return 0;
     };
+    if matches!(
+        command,
+        Commands::Demo(_) | Commands::Serve(_) | Commands::Play(_) | Commands::Relay(_)
+    ) {
+        many_receive_threads();
+    }
     let done = match command {
         Commands::Demo(args) => demo::run(&args),
         Commands::Serve(args) => serve::run(&args),

@@ -5,7 +5,9 @@ use super::keys::{Key, Keys};
 use crate::drive::playback::{PlayRequest, playback};
 use crate::drive::ports::ports;
 use crate::recording::{PlayReport, PlaySettings, Player, Session, played_scene};
-use crate::transport::{Bus, BusSettings, Role, SessionSettings, default_listen, open_guarded};
+use crate::transport::{
+    Bus, BusSettings, Role, SessionSettings, default_listen, open_guarded, patience,
+};
 use crate::viewer::Viewer;
 use sha2::Digest as _;
 use std::path::PathBuf;
@@ -103,6 +105,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             config,
             role: Role::Peer,
             access: args.access.of(&args.instance, &scene)?,
+            patience: Some(patience(&scene)),
         })?;
         everybody.extend(args.page.everybody(args.access.insecure)?);
         super::access::warn(&everybody);

@@ -20,7 +20,7 @@ use crate::recording::{
 };
 use crate::transport::{
     AdapterCounts, Bus, BusSettings, Health, Role, SessionSettings, daemon_of, default_listen,
-    is_taken, open_guarded,
+    is_taken, open_guarded, patience,
 };
 use crate::viewer::Viewer;
 use anyhow::Context as _;
@@ -274,6 +274,7 @@ pub fn serve(
             false => Role::Peer,
         },
         access: common.access.of(&common.instance, &scene)?,
+        patience: Some(patience(&scene)),
     })?;
     everybody.extend(common.page.everybody(common.access.insecure)?);
     super::access::warn(&everybody);

@@ -3,23 +3,24 @@
 //! Each part has an owner with its own fields; the thread polls them in a fixed order.
 //!
 //! ```text
-//! Declared ─▶ Inbox ─▶ Rpc ─▶ LoopLink, Archive, Editor, Player     (commands and their answers)
+//! Declared ─▶ Intake ─▶ Rpc ─▶ LoopLink, Archive, Editor, Player    (commands and their answers)
 //! loop ─▶ Forces, Contacts, Nets, Tally, Events ─▶ clients, View    (what is published, and pages see)
 //! ```
 
 use super::answers::{key_of, reply, reply_json, reply_text};
 use super::clients::ClientLink;
 use super::contacts::Contacts;
-use super::declared::{Declared, Inbox, Roles};
+use super::declared::{Declared, Roles};
 use super::devices::Devices;
 use super::edit::Edits;
 use super::events::Events;
 use super::forces::Forces;
 use super::health::Health;
+use super::intake::{Intake, Notice, Question, Requests};
 use super::link::LoopLink;
 use super::metrics::{AdapterCounts, LoopMetrics};
 use super::nets::Nets;
-use super::post::{Post, PostThread};
+use super::post::{Asked, Post, PostThreads};
 use super::rate::RateNews;
 use super::rpc::{Parties, Rpc};
 use super::schemas;
@@ -31,6 +32,7 @@ use crate::drive::journal::JournalGauges;
 use crate::drive::playback::PlayerEnd;
 use crate::drive::ports::BusPorts;
 use crate::wire;
+use palpate_client::encoding;
 use palpate_proto::codec::encode;
 use palpate_proto::keys::Keys;
 use palpate_proto::messages::{ALL, EventKind, RecorderState, SceneSnapshot};
@@ -39,11 +41,10 @@ use palpate_sim::scene::Scene;
 use palpate_sim::scene::spec::Clock;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, sync_channel};
 use std::thread::{JoinHandle, Thread};
 use std::time::{Duration, Instant};
 use zenoh::Wait;
-use zenoh::bytes::Encoding;
+use zenoh::bytes::{Encoding, ZBytes};
 
 /// What the bus needs to know beside its ports.
 pub struct BusSettings {
@@ -91,9 +92,6 @@ pub struct BusReport {
     pub suppressed: Vec<u64>,
 }
 
-/// Requests that may wait for the bus thread; more are refused by silence, and the client's query
-/// times out.
-const INBOX: usize = 256;
 /// Answers are made for so long before the next forces: a snapshot of a large scene takes milliseconds.
 const ANSWERING: Duration = Duration::from_millis(1);
 const STATUS_EVERY: Duration = Duration::from_millis(100);
@@ -151,7 +149,7 @@ struct BusThread {
     session: zenoh::Session,
     served: Served,
     declared: Declared,
-    requests: Receiver<Inbox>,
+    requests: Requests,
     stop: Arc<AtomicBool>,
     link: LoopLink,
     rpc: Rpc,
@@ -164,7 +162,7 @@ struct BusThread {
     last_status: Instant,
     events: Events,
     /// What sends answers, nets and events.
-    posts: [PostThread; 2],
+    posts: PostThreads,
     /// Events that pages have.
     shown_events: u64,
     view: View,
@@ -179,9 +177,12 @@ impl BusThread {
         stop: Arc<AtomicBool>,
     ) -> zenoh::Result<Self> {
         let scene = settings.scene;
-        let (inbox, requests) = sync_channel(INBOX);
-        let (post, answers_thread) = Post::start("palpate-answers")?;
-        let (events_post, events_thread) = Post::start("palpate-events")?;
+        let posts = PostThreads::default();
+        let nets_post = Post::new("palpate-nets", &posts);
+        let events_post = Post::new("palpate-events", &posts);
+        // Who has the answer to a seek finds the net of that tick: they keep their order.
+        let after_nets = settings.player.as_ref().map(|_| nets_post.clone());
+        let (intake, requests) = Intake::new(&posts, after_nets, scene.tool_count());
         let devices = Devices::new(&scene);
         let roles = Roles {
             player: settings.player.is_some(),
@@ -199,8 +200,8 @@ impl BusThread {
             &keys,
             &scene,
             ports.nets,
-            inbox.clone(),
-            post.clone(),
+            intake.clone(),
+            nets_post,
         )?;
         let events = Events::new(session_of, &keys, settings.archive, events_post)?;
         let gauges = Gauges {
@@ -211,7 +212,7 @@ impl BusThread {
         let tally = LoopTally::new(session_of, &keys, &scene, ports.records, gauges)?;
         // Last, with the tokens that say that all of it is there.
         let declared = Declared::new(
-            session_of, &keys, &scene, poses, &clients, &devices, &inbox, &post, roles,
+            session_of, &keys, &scene, poses, &clients, &devices, &intake, roles,
         )?;
         let mut bus = Self {
             session,
@@ -234,7 +235,7 @@ impl BusThread {
             tally,
             last_status: Instant::now(),
             events,
-            posts: [answers_thread, events_thread],
+            posts,
             shown_events: 0,
             view: View::new(settings.viewer),
             served: Served {
@@ -278,7 +279,7 @@ impl BusThread {
             self.requests,
             self.rpc,
         ));
-        self.posts.into_iter().for_each(PostThread::finish);
+        self.posts.finish();
         if let Err(error) = self.session.close().wait() {
             tracing::warn!(%error, "closing the session");
         }
@@ -286,6 +287,8 @@ impl BusThread {
     }
 
     fn serve(&mut self) {
+        // First, and all of them: a command waits for no question.
+        self.take_commands();
         let player_news = self.rpc.player_news();
         self.take_receipts();
         self.publish_forces();
@@ -301,13 +304,8 @@ impl BusThread {
             self.stop_burst(body, length_m);
         }
         self.show_forces(newcomer);
-        let begun = Instant::now();
-        while let Ok(request) = self.requests.try_recv() {
-            self.answer(request);
-            if begun.elapsed() > ANSWERING {
-                break;
-            }
-        }
+        self.take_notices();
+        self.answer_questions();
         self.take_receipts();
         self.rpc.take_archive_news(&mut self.events);
         let next_tick = self.tally.status().tick + 1;
@@ -455,67 +453,97 @@ impl BusThread {
         self.tally.read_gauges(scene, output, self.rpc.state());
     }
 
-    /// Answers a query, or takes what a client reported.
-    fn answer(&mut self, request: Inbox) {
-        let served = &self.served;
-        match request {
-            Inbox::Scene(query) => reply(&query, &self.snapshot()),
-            Inbox::Status(query) => {
-                self.read_gauges();
-                reply(&query, self.tally.status());
+    /// Takes the commands that have come in.
+    fn take_commands(&mut self) {
+        while let Ok((method, asked)) = self.requests.commands.try_recv() {
+            if method == "reset" {
+                self.nets.forget_burst();
             }
-            Inbox::Net(body, query) => {
+            let scene = &self.served.scene;
+            let parties = Parties {
+                link: &mut self.link,
+                events: &mut self.events,
+                edits: &mut self.edits,
+                scene,
+                nets: self.nets.all(scene),
+            };
+            self.rpc.take(method, asked, parties);
+        }
+    }
+
+    /// Takes what clients said of themselves: that they hold a tool or no longer do, and their devices.
+    fn take_notices(&mut self) {
+        for tool in 0..self.served.scene.tool_count() {
+            let Notice { left, joined, told } = self.requests.notices.take(tool);
+            let scene = &self.served.scene;
+            let id = scene.tool_id(tool);
+            if left {
+                self.view.tell(|sink| sink.token(id, false));
+                self.forces.forget_sender(tool);
+                self.devices.forget(tool);
+            }
+            if joined {
+                self.view.tell(|sink| sink.token(id, true));
+                self.devices.release(tool, &mut self.link);
+            }
+            if let Some(info) = told {
+                let (link, events) = (&mut self.link, &mut self.events);
+                self.view
+                    .tell(|sink| sink.device(id, &info.name, &encode(&*info)));
+                self.devices.told(tool, *info, scene, link, events);
+            }
+        }
+    }
+
+    /// Answers questions, for as long as forces can wait.
+    fn answer_questions(&mut self) {
+        let begun = Instant::now();
+        // Many may ask for the same: it is made once.
+        let mut snapshot = None;
+        while let Ok((question, asked)) = self.requests.questions.try_recv() {
+            match question {
+                Question::Scene => {
+                    let bytes = snapshot
+                        .get_or_insert_with(|| ZBytes::from(encode(&self.snapshot())))
+                        .clone();
+                    asked.answer(key_of(&asked), bytes, encoding::<SceneSnapshot>());
+                }
+                other => self.answer(other, &asked),
+            }
+            if begun.elapsed() > ANSWERING {
+                break;
+            }
+        }
+    }
+
+    fn answer(&mut self, question: Question, asked: &Asked) {
+        let served = &self.served;
+        match question {
+            Question::Scene => reply(asked, &self.snapshot()),
+            Question::Status => {
+                self.read_gauges();
+                reply(asked, self.tally.status());
+            }
+            Question::Net(body) => {
                 // A body that has just gone is not answered for: the query ends empty.
                 let nets = self.nets.all(&served.scene);
                 if let Some(net) = nets.iter().find(|net| net.body == body) {
-                    reply(&query, net);
+                    reply(asked, net);
                 }
             }
-            Inbox::Info(query) => reply_json(&query, key_of(&query), &self.info()),
-            Inbox::Schema(query) => schemas::answer(&served.keys, &query),
-            Inbox::Metrics(query) => {
+            Question::Info => reply_json(asked, key_of(asked), &self.info()),
+            Question::Schema => schemas::answer(&served.keys, asked),
+            Question::Metrics => {
                 self.read_gauges();
                 let encoding = Encoding::APPLICATION_OPENMETRICS_TEXT;
-                reply_text(&query, self.figures().text(), encoding);
+                reply_text(asked, self.figures().text(), encoding);
             }
-            Inbox::Events(query) => self.events.answer(&query),
-            Inbox::Device(tool, query) => {
+            Question::Events => self.events.answer(asked),
+            Question::Device(tool) => {
                 // Nothing to say is not an answer: the query ends empty.
                 if let Some(info) = self.devices.info(tool) {
-                    reply(&query, info);
+                    reply(asked, info);
                 }
-            }
-            Inbox::Told(tool, info) => {
-                let (link, events) = (&mut self.link, &mut self.events);
-                let id = served.scene.tool_id(tool);
-                self.view
-                    .tell(|sink| sink.device(id, &info.name, &encode(&*info)));
-                self.devices.told(tool, *info, &served.scene, link, events);
-            }
-            Inbox::ToolToken { tool: id, present } => {
-                let Some(tool) = served.scene.tool_index(&id) else {
-                    return;
-                };
-                self.view.tell(|sink| sink.token(&id, present));
-                if present {
-                    self.devices.release(tool, &mut self.link);
-                } else {
-                    self.forces.forget_sender(tool);
-                    self.devices.forget(tool);
-                }
-            }
-            Inbox::Rpc(method, query) => {
-                if method == "reset" {
-                    self.nets.forget_burst();
-                }
-                let parties = Parties {
-                    link: &mut self.link,
-                    events: &mut self.events,
-                    edits: &mut self.edits,
-                    scene: &served.scene,
-                    nets: self.nets.all(&served.scene),
-                };
-                self.rpc.take(method, query, parties);
             }
         }
     }

@@ -3,34 +3,18 @@
 use super::clients::ClientLink;
 use super::devices::{Devices, refuse_stranger, take_device};
 use super::events::server_ns;
+use super::intake::{Intake, Question};
 use super::poses::{sender_of, take_pose};
-use super::post::{Asked, Post};
 use crate::drive::ports::PoseInbox;
+use palpate_client::is_one_key;
 use palpate_proto::keys::Keys;
-use palpate_proto::messages::DeviceInfo;
 use palpate_proto::rpc::METHODS;
 use palpate_sim::scene::Scene;
 use std::sync::Arc;
-use std::sync::mpsc::SyncSender;
 use zenoh::Wait;
 use zenoh::bytes::Encoding;
 use zenoh::liveliness::LivelinessToken;
 use zenoh::sample::SampleKind;
-
-/// What callbacks hand to the bus thread. Queries wait here until the bus replies.
-pub(super) enum Inbox {
-    Rpc(&'static str, Asked),
-    Scene(Asked),
-    Status(Asked),
-    Net(String, Asked),
-    Info(Asked),
-    Schema(Asked),
-    Metrics(Asked),
-    Events(Asked),
-    Device(usize, Asked),
-    Told(usize, Box<DeviceInfo>),
-    ToolToken { tool: String, present: bool },
-}
 
 /// Schema part of a sample's encoding; empty when it has none.
 pub(super) fn schema_of(encoding: &Encoding) -> String {
@@ -58,8 +42,7 @@ impl Declared {
         poses: &[Arc<PoseInbox>],
         clients: &[Arc<ClientLink>],
         devices: &Devices,
-        inbox: &SyncSender<Inbox>,
-        post: &Post,
+        intake: &Intake,
         roles: Roles,
     ) -> zenoh::Result<Self> {
         let mut tool_subscribers = Vec::new();
@@ -74,7 +57,8 @@ impl Declared {
             let subscriber = session
                 .declare_subscriber(keys.tool_pose(id))
                 .callback(move |sample| {
-                    if sample.kind() == SampleKind::Put {
+                    // A message under a pattern names no tool.
+                    if sample.kind() == SampleKind::Put && is_one_key(sample.key_expr()) {
                         let sender = sender_of(sample.attachment());
                         if take_pose(&moved, sample.payload(), sample.encoding(), sender) {
                             client.heard(sender, sample.attachment(), server_ns());
@@ -83,10 +67,14 @@ impl Declared {
                 })
                 .wait()?;
             tool_subscribers.push(subscriber);
-            let (inbox, refused, holder) = (inbox.clone(), devices.refused(tool), poses.clone());
+            let notices = intake.notices.clone();
+            let (refused, holder) = (devices.refused(tool), poses.clone());
             let subscriber = session
                 .declare_subscriber(keys.tool_device(id))
                 .callback(move |sample| {
+                    if !is_one_key(sample.key_expr()) {
+                        return;
+                    }
                     // Who does not hold the tool does not say what its device can bear.
                     let sender = sender_of(sample.attachment());
                     if !holder.may_hold(sender) {
@@ -95,47 +83,38 @@ impl Declared {
                         && let Some(info) =
                             take_device(&refused, sample.payload(), &schema_of(sample.encoding()))
                     {
-                        let _ = inbox.try_send(Inbox::Told(tool, Box::new(info)));
+                        notices.told(tool, Box::new(info));
                     }
                 })
                 .wait()?;
             tool_subscribers.push(subscriber);
         }
         let mut queryables = Vec::new();
-        let mut queryable =
-            |key: String, wrap: Box<dyn Fn(Asked) -> Inbox + Send + Sync>| -> zenoh::Result<()> {
-                let (inbox, post) = (inbox.clone(), post.clone());
-                let callback = move |query| {
-                    // Without room its client hears nothing, which is how it ends.
-                    if post.has_room() {
-                        let _ = inbox.try_send(wrap(Asked::new(query, &post)));
-                    }
-                };
-                queryables.push(session.declare_queryable(key).callback(callback).wait()?);
-                Ok(())
-            };
+        let mut question = |key: String, what: fn() -> Question| -> zenoh::Result<()> {
+            let callback = intake.question(&intake.post(), what);
+            queryables.push(session.declare_queryable(key).callback(callback).wait()?);
+            Ok(())
+        };
+        question(keys.scene(), || Question::Scene)?;
+        question(keys.status(), || Question::Status)?;
+        question(keys.event(), || Question::Events)?;
+        question(keys.meta_info(), || Question::Info)?;
+        question(keys.meta_schema("*"), || Question::Schema)?;
+        question(keys.meta_metrics(), || Question::Metrics)?;
+        let devices_post = intake.post();
         for tool in 0..scene.tool_count() {
-            queryable(
-                keys.tool_device(scene.tool_id(tool)),
-                Box::new(move |query| Inbox::Device(tool, query)),
-            )?;
+            let key = keys.tool_device(scene.tool_id(tool));
+            let callback = intake.question(&devices_post, move || Question::Device(tool));
+            queryables.push(session.declare_queryable(key).callback(callback).wait()?);
         }
-        queryable(keys.scene(), Box::new(Inbox::Scene))?;
-        queryable(keys.status(), Box::new(Inbox::Status))?;
-        queryable(keys.event(), Box::new(Inbox::Events))?;
-        queryable(keys.meta_info(), Box::new(Inbox::Info))?;
-        queryable(keys.meta_schema("*"), Box::new(Inbox::Schema))?;
-        queryable(keys.meta_metrics(), Box::new(Inbox::Metrics))?;
         for &method in METHODS {
-            queryable(
-                keys.rpc(method),
-                Box::new(move |query| Inbox::Rpc(method, query)),
-            )?;
+            let (key, callback) = (keys.rpc(method), intake.command(method));
+            queryables.push(session.declare_queryable(key).callback(callback).wait()?);
         }
         let live_subscriber = if roles.player {
             None
         } else {
-            Some(tokens_of_tools(session, keys, inbox)?)
+            Some(tokens_of_tools(session, keys, scene, intake)?)
         };
         let id = session.zid().to_string();
         let mut tokens = vec![
@@ -190,23 +169,25 @@ pub(super) struct Roles {
     pub viewer: bool,
 }
 
-/// Tells when a tool gets another holder.
+/// Notes when a tool gets another holder.
 fn tokens_of_tools(
     session: &zenoh::Session,
     keys: &Keys,
-    inbox: &SyncSender<Inbox>,
+    scene: &Scene,
+    intake: &Intake,
 ) -> zenoh::Result<zenoh::pubsub::Subscriber<()>> {
-    let (inbox, live_keys) = (inbox.clone(), keys.clone());
+    let (notices, live_keys) = (intake.notices.clone(), keys.clone());
+    // Tools stay what they are when a scene changes.
+    let ids: Vec<String> = (0..scene.tool_count())
+        .map(|tool| scene.tool_id(tool).to_owned())
+        .collect();
     session
         .liveliness()
         .declare_subscriber(keys.live_tool("*"))
         .callback(move |sample| {
-            if let Some(tool) = live_keys.tool_of_live(sample.key_expr().as_str()) {
-                let present = sample.kind() == SampleKind::Put;
-                let _ = inbox.try_send(Inbox::ToolToken {
-                    tool: tool.to_owned(),
-                    present,
-                });
+            let held = live_keys.tool_of_live(sample.key_expr().as_str());
+            if let Some(tool) = held.and_then(|id| ids.iter().position(|known| known == id)) {
+                notices.token(tool, sample.kind() == SampleKind::Put);
             }
         })
         .wait()

@@ -1,11 +1,9 @@
-//! Commands under way: queries that wait for their answer.
+//! Commands under way: queries that wait for their answer, as many as their methods have
+//! [places](super::intake).
 
 use super::answers::reply_to_call;
 use super::post::Asked;
 use palpate_proto::rpc::Answer;
-
-/// Commands under way; more are refused.
-const MOST_PENDING: usize = 256;
 
 /// Queries by the number of their command.
 pub(super) struct Desk {
@@ -22,12 +20,9 @@ impl Desk {
         }
     }
 
-    /// The number that the next command gets, or why there is no room for it.
-    pub(super) fn next_id(&self) -> Result<u64, String> {
-        if self.pending.len() >= MOST_PENDING {
-            return Err("too many commands are waiting; try again".into());
-        }
-        Ok(self.next_id)
+    /// The number that the next command gets.
+    pub(super) fn next_id(&self) -> u64 {
+        self.next_id
     }
 
     /// Keeps the query of the command that was passed on as [`Desk::next_id`].

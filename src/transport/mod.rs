@@ -5,6 +5,7 @@
 //! never calls Zenoh.
 
 mod answers;
+mod budget;
 mod bus;
 mod clients;
 mod contacts;
@@ -18,6 +19,7 @@ mod exposure;
 mod forces;
 mod health;
 mod history;
+mod intake;
 mod link;
 mod metrics;
 mod nets;
@@ -30,6 +32,9 @@ mod session;
 mod tally;
 mod view;
 
+pub(crate) use budget::ROUTER_PATIENCE;
+pub(crate) use budget::bound;
+pub use budget::{many_receive_threads, patience};
 pub use bus::{Bus, BusReport, BusSettings};
 pub use clients::ClientCounts;
 pub use exposure::is_loopback;

@@ -2,8 +2,8 @@
 //!
 //! A net that nobody takes is not made: neither the message nor its bytes.
 
-use super::declared::Inbox;
-use super::post::{Asked, NetSlot, Post};
+use super::intake::{Intake, Question};
+use super::post::{NetSlot, Post};
 use super::view::View;
 use crate::drive::ports::{NetEnd, NetFrame};
 use crate::wire;
@@ -15,7 +15,6 @@ use palpate_proto::messages::ControlNet;
 use palpate_sim::scene::Scene;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::SyncSender;
 use std::time::{Duration, Instant};
 use zenoh::Wait;
 use zenoh::matching::MatchingListener;
@@ -52,7 +51,7 @@ pub(super) struct Nets {
     ends: Vec<NetEnd>,
     lines: Vec<Line>,
     queryables: Vec<zenoh::query::Queryable<()>>,
-    inbox: SyncSender<Inbox>,
+    intake: Intake,
     post: Post,
     last_refresh: Instant,
     /// The bodies are others than those that pages have.
@@ -94,14 +93,14 @@ impl Line {
 }
 
 impl Nets {
-    /// Declares the nets of a scene; queries for them come in through `inbox`, and nets and answers go
-    /// out through `post`.
+    /// Declares the nets of a scene; queries for them come in through `intake`, nets go out through
+    /// `post`.
     pub(super) fn new(
         session: &zenoh::Session,
         keys: &Keys,
         scene: &Scene,
         ends: Vec<NetEnd>,
-        inbox: SyncSender<Inbox>,
+        intake: Intake,
         post: Post,
     ) -> zenoh::Result<Self> {
         let mut nets = Self {
@@ -111,7 +110,7 @@ impl Nets {
             ends,
             lines: Vec::new(),
             queryables: Vec::new(),
-            inbox,
+            intake,
             post,
             last_refresh: Instant::now(),
             others: false,
@@ -154,16 +153,12 @@ impl Nets {
     ) -> zenoh::Result<()> {
         self.lines.clear();
         self.queryables.clear();
+        let answers = self.intake.post();
         for body in 0..scene.body_count() {
             let id = scene.body_id(body).to_owned();
             let key = keys.body_net(&id);
             let line = Line::new(session, key.clone())?;
-            let (inbox, post) = (self.inbox.clone(), self.post.clone());
-            let asked = move |query| {
-                if post.has_room() {
-                    let _ = inbox.try_send(Inbox::Net(id.clone(), Asked::new(query, &post)));
-                }
-            };
+            let asked = self.intake.question(&answers, move || Question::Net(id.clone()));
             self.queryables
                 .push(session.declare_queryable(key).callback(asked).wait()?);
             self.lines.push(line);

@@ -1,5 +1,6 @@
 //! Opening a Zenoh session: peer mode on a fixed loopback endpoint, no multicast needed.
 
+use super::budget;
 use super::exposure::open_endpoints;
 use palpate_client::is_secured;
 use palpate_proto::keys::Keys;
@@ -27,6 +28,9 @@ pub struct SessionSettings {
     pub role: Role,
     /// Who may come, and what they may do.
     pub access: Access,
+    /// How long it waits for a client that does not read, [`patience`](super::patience) of its scene;
+    /// `None` where nobody comes that others must be guarded from.
+    pub patience: Option<Duration>,
 }
 
 /// Who may come to a session that listens, and what they may do.
@@ -236,6 +240,9 @@ pub fn open_guarded(
                     reason: e.to_string(),
                 })?;
         }
+    }
+    if let Some(patience) = settings.patience {
+        budget::bound(&mut config, patience).map_err(SessionError::Zenoh)?;
     }
     let open = guard(&mut config, &settings.access)?;
     let session = zenoh::open(config)

@@ -40,6 +40,7 @@ mod many_tools;
 mod pages;
 mod play;
 mod reach;
+mod readers_that_stop;
 mod readmes;
 mod recording;
 mod reference;

@@ -1,5 +1,6 @@
 //! A session with one daemon.
 
+use crate::exact::is_one_key;
 use palpate_proto::DeviceError;
 use palpate_proto::codec::{DecodeError, decode};
 use palpate_proto::keys::{IdError, Keys};
@@ -140,7 +141,9 @@ impl<M: Message + Send + 'static> Latest<M> {
         let slot = Arc::new(Mutex::new(None));
         let shared = slot.clone();
         let callback = move |sample: zenoh::sample::Sample| {
-            if let Ok(message) = decode::<M>(&sample.payload().to_bytes(), "") {
+            if is_one_key(sample.key_expr())
+                && let Ok(message) = decode::<M>(&sample.payload().to_bytes(), "")
+            {
                 *shared.lock().unwrap_or_else(PoisonError::into_inner) = Some(message);
             }
         };
@@ -481,7 +484,9 @@ impl Palpate {
         take: impl Fn(SimEvent) + Send + Sync + 'static,
     ) -> Result<zenoh::pubsub::Subscriber<()>, ClientError> {
         let callback = move |sample: zenoh::sample::Sample| {
-            if let Ok(event) = decode::<SimEvent>(&sample.payload().to_bytes(), "") {
+            if is_one_key(sample.key_expr())
+                && let Ok(event) = decode::<SimEvent>(&sample.payload().to_bytes(), "")
+            {
                 take(event);
             }
         };

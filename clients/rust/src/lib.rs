@@ -18,6 +18,7 @@ mod announce;
 mod config;
 mod connection;
 pub mod device;
+mod exact;
 mod newest;
 mod ping;
 mod publish;
@@ -30,6 +31,7 @@ pub use config::{
     Named, add_identity, check_built_in, check_protocol, identity, is_secured, named, read_config,
 };
 pub use connection::{ClientError, Connect, Latest, Palpate};
+pub use exact::is_one_key;
 pub use newest::NewestForce;
 pub use palpate_proto as proto;
 pub use ping::{PingReport, raw_ping};

@@ -2,6 +2,7 @@
 
 use crate::announce::Announcement;
 use crate::connection::{ClientError, Latest, Palpate};
+use crate::exact::is_one_key;
 use crate::newest::NewestForce;
 use crate::publish::publisher;
 use palpate_proto::codec::{decode, encode};
@@ -99,7 +100,10 @@ impl Tool {
         let subscriber = session
             .declare_subscriber(keys.tool_force(id))
             .callback(move |sample| {
-                if let Ok(force) = decode::<ToolForce>(&sample.payload().to_bytes(), "") {
+                // What comes under a pattern is not from who names this tool.
+                if is_one_key(sample.key_expr())
+                    && let Ok(force) = decode::<ToolForce>(&sample.payload().to_bytes(), "")
+                {
                     let mut newest = shared.newest.lock().unwrap_or_else(PoisonError::into_inner);
                     newest.offer(force, Instant::now());
                     shared.arrived.notify_all();

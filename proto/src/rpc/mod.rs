@@ -166,10 +166,11 @@ calls! {
 }
 
 impl Call {
-    /// Reads a call; no bytes count as `{}`.
+    /// Reads a call. Arguments are given even where there are none, as `{}`: who reads all keys of a bus
+    /// sends no payload, and means no command.
     ///
     /// # Errors
-    /// A method that does not exist; arguments that are too long, not a JSON object, missing, of
+    /// A method that does not exist; no payload; arguments that are too long, not a JSON object, missing, of
     /// another method, of another type or out of range.
     pub fn parse(method: &str, payload: &[u8]) -> Result<Self, CallError> {
         Self::check_length(method, payload.len())?;
@@ -229,6 +230,15 @@ pub enum CallError {
         reason: String,
         /// Its arguments.
         known: String,
+    },
+    /// Nothing that says that a command is meant.
+    #[error(
+        "{method} is a command: send its arguments as a JSON object, {{}} where it needs none; a query without a payload \
+         has no effect"
+    )]
+    NoPayload {
+        /// Method.
+        method: &'static str,
     },
     /// JSON, but not an object.
     #[error(
@@ -293,7 +303,7 @@ fn parse<A: for<'de> Deserialize<'de> + Default>(
         known: known(method),
     };
     if payload.is_empty() {
-        return Ok(A::default());
+        return Err(CallError::NoPayload { method });
     }
     if payload.trim_ascii_start().first() != Some(&b'{') {
         let known = known(method);

@@ -2,6 +2,7 @@
 //! and tokens that rmw_zenoh expects.
 
 use super::super::unix_ns;
+use palpate_client::is_one_key;
 use palpate_devices::cdr::{self, encode};
 use palpate_devices::ros2::{
     Attachment, Endpoint, Gid, Kind, Node, Qos, RosMessage, RosType, TriggerResponse, node_token,
@@ -173,6 +174,7 @@ impl RosNode {
         let (intake, name) = (intake.clone(), topic.to_owned());
         let callback = move |sample: Sample| {
             if sample.kind() == SampleKind::Put
+                && is_one_key(sample.key_expr())
                 && let Some((message, attachment)) = read(&sample, &intake, &name)
             {
                 take(message, attachment);
@@ -203,7 +205,12 @@ impl RosNode {
         let queryable = (self.session)
             .declare_queryable(topic_subscription(self.node.domain, service, ros_type))
             .complete(true)
-            .callback(move |query| take(TriggerCall(query)))
+            .callback(move |query: Query| {
+                // A browser of the bus that asks for a pattern calls no service.
+                if is_one_key(query.key_expr()) {
+                    take(TriggerCall(query));
+                }
+            })
             .wait()?;
         Ok(RosReceiver {
             _subscriber: None,

@@ -5,6 +5,7 @@ mod commands;
 mod garbage;
 mod instances;
 mod meta;
+mod patterns;
 mod poses;
 
 use palpate_geometry::math::Random;

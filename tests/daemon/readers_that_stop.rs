@@ -1,0 +1,171 @@
+//! An operator's command has its effect at once, whatever clients do that stop reading.
+//!
+//! Readers reach the daemon through a tap: a socket between them that stops carrying what the daemon sends,
+//! while everything that they ask still comes in.
+
+use crate::daemon::{Daemon, free_port};
+use palpate_client::Palpate;
+use palpate_client::proto::messages::LoopState;
+use palpate_client::proto::rpc::Call;
+use std::io::{Read, Write};
+use std::net::{Shutdown, TcpListener, TcpStream};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+use zenoh::Wait;
+
+/// What an operator is promised.
+const PROMISED: Duration = Duration::from_millis(50);
+
+/// A way to a daemon that can stop carrying what comes from there.
+struct Tap {
+    endpoint: String,
+    stopped: Arc<AtomicBool>,
+}
+
+impl Tap {
+    fn to(daemon: &Daemon) -> Self {
+        let listener = TcpListener::bind(("127.0.0.1", free_port())).unwrap();
+        let endpoint = format!("tcp/{}", listener.local_addr().unwrap());
+        let upstream = daemon.endpoint.trim_start_matches("tcp/").to_owned();
+        let stopped = Arc::new(AtomicBool::new(false));
+        let closed = stopped.clone();
+        std::thread::spawn(move || {
+            for client in listener.incoming() {
+                let (Ok(client), Ok(daemon)) = (client, TcpStream::connect(&upstream)) else {
+                    return;
+                };
+                let (back, forth) = (daemon.try_clone().unwrap(), client.try_clone().unwrap());
+                std::thread::spawn(move || carry(client, daemon, None));
+                let closed = closed.clone();
+                std::thread::spawn(move || carry(back, forth, Some(&closed)));
+            }
+        });
+        Self { endpoint, stopped }
+    }
+
+    fn stop(&self) {
+        self.stopped.store(true, Ordering::Release);
+    }
+}
+
+fn carry(mut from: TcpStream, mut to: TcpStream, stopped: Option<&AtomicBool>) {
+    let mut bytes = [0; 16 << 10];
+    loop {
+        while stopped.is_some_and(|stopped| stopped.load(Ordering::Acquire)) {
+            std::thread::sleep(Duration::from_millis(50));
+        }
+        match from.read(&mut bytes) {
+            Ok(count) if count > 0 && to.write_all(&bytes[..count]).is_ok() => {}
+            _ => break,
+        }
+    }
+    let _ = to.shutdown(Shutdown::Both);
+}
+
+/// The longest that a thread of this machine woke late meanwhile: what a busy machine adds to any answer.
+struct Lateness {
+    worst_us: Arc<AtomicU64>,
+    over: Arc<AtomicBool>,
+}
+
+impl Lateness {
+    fn watch() -> Self {
+        let (worst_us, over) = (
+            Arc::<AtomicU64>::default(),
+            Arc::new(AtomicBool::new(false)),
+        );
+        let (seen, end) = (worst_us.clone(), over.clone());
+        std::thread::spawn(move || {
+            while !end.load(Ordering::Relaxed) {
+                let before = Instant::now();
+                std::thread::sleep(Duration::from_millis(1));
+                let late = before.elapsed().saturating_sub(Duration::from_millis(1));
+                seen.fetch_max(late.as_micros() as u64, Ordering::Relaxed);
+            }
+        });
+        Self { worst_us, over }
+    }
+
+    fn take(&self) -> Duration {
+        Duration::from_micros(self.worst_us.swap(0, Ordering::Relaxed))
+    }
+}
+
+impl Drop for Lateness {
+    fn drop(&mut self) {
+        self.over.store(true, Ordering::Relaxed);
+    }
+}
+
+/// How long a command took, beyond what this machine was late meanwhile.
+fn commanded(palpate: &Palpate, call: Call, late: &Lateness) -> Duration {
+    late.take();
+    let begun = Instant::now();
+    palpate.rpc(call).unwrap();
+    let took = begun.elapsed();
+    // A command passes four threads here and there.
+    took.saturating_sub(4 * late.take())
+}
+
+#[test]
+fn a_pause_and_a_shutdown_wait_for_no_reader_that_has_stopped() {
+    // A large net: its snapshots do not fit into the buffers of a socket.
+    let scene = format!(
+        "{}\n[[body]]\nid = \"far\"\nsurface = {{ builtin = \"sheet\", net = [128, 128], size = 0.1 }}\n\
+         pose = {{ position = [0.0, 0.0, -1.0] }}\n",
+        include_str!("../../scenes/rigid-teardrop.toml")
+    );
+    let directory = tempfile::tempdir().unwrap();
+    let daemon = Daemon::start(directory.path(), &scene, &[]);
+    let palpate = daemon.connect();
+    let late = Lateness::watch();
+    let quiet = commanded(&palpate, Call::Pause, &late);
+    palpate.rpc(Call::Resume).unwrap();
+    let open = |tap: &Tap| crate::wire::bare(&tap.endpoint);
+    let taps: Vec<Tap> = (0..9).map(|_| Tap::to(&daemon)).collect();
+    let sessions: Vec<zenoh::Session> = taps.iter().map(open).collect();
+    let mut kept = Vec::new();
+    let mut subscribers = Vec::new();
+    for (k, (tap, session)) in taps.iter().zip(&sessions).enumerate() {
+        match k % 3 {
+            // Asks for large answers and stops.
+            0 => {
+                tap.stop();
+                for _ in 0..100 {
+                    kept.push(session.get("palpate/default/scene").wait().unwrap());
+                }
+            }
+            // Hears everything and stops.
+            1 => {
+                let all = session.declare_subscriber("palpate/**");
+                subscribers.push(all.callback(|_| {}).wait().unwrap());
+                std::thread::sleep(Duration::from_millis(100));
+                tap.stop();
+            }
+            // Gives commands that are refused, more than may wait, and stops.
+            _ => {
+                tap.stop();
+                let nonsense = format!("{{\"{}\": 1}}", "x".repeat(4000));
+                for _ in 0..1000 {
+                    let get = session.get("palpate/default/rpc/step");
+                    kept.push(get.payload(nonsense.as_str()).wait().unwrap());
+                }
+            }
+        }
+    }
+    let mut worst = Duration::ZERO;
+    let begun = Instant::now();
+    while begun.elapsed() < Duration::from_secs(3) {
+        worst = worst.max(commanded(&palpate, Call::Pause, &late));
+        assert_eq!(palpate.status().unwrap().state, LoopState::Paused);
+        worst = worst.max(commanded(&palpate, Call::Resume, &late));
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let end = commanded(&palpate, Call::Shutdown, &late);
+    println!(
+        "a pause alone: {quiet:?}; under readers that have stopped: {worst:?}; shutdown: {end:?}"
+    );
+    assert!(worst < PROMISED, "{worst:?}");
+    assert!(end < PROMISED, "{end:?}");
+}
