@@ -40,7 +40,7 @@ mod text;
 mod view;
 mod waiting;
 
-use crate::transport::many_receive_threads;
+use crate::transport::threads_for_many_clients;
 use clap::{CommandFactory, Parser, Subcommand};
 use std::process::ExitCode;
 
@@ -218,7 +218,7 @@ pub fn code_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> u8 
         command,
         Commands::Demo(_) | Commands::Serve(_) | Commands::Play(_) | Commands::Relay(_)
     ) {
-        many_receive_threads();
+        threads_for_many_clients();
     }
     let done = match command {
         Commands::Demo(args) => demo::run(&args),

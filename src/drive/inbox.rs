@@ -86,6 +86,8 @@ impl SenderId {
 
 /// A holder that was silent for longer loses the tool to the next who sends.
 const HELD: Duration = Duration::from_millis(250);
+/// After so long without a pose of it, the same holder may count from anew.
+const SILENT: Duration = Duration::from_secs(1);
 /// A holder that is there does not skip more numbers than these.
 const MOST_SKIPPED: u64 = 1 << 20;
 
@@ -129,6 +131,12 @@ impl PoseInbox {
             Some((holder, _)) if holder != sender => slot.newest = 0,
             _ => {}
         }
+        // And so may one that was silent: a number from the end of the range, sent by mistake or by another
+        // without an id, locks nobody out for longer.
+        let silent = (slot.holder).is_some_and(|(_, heard)| since(heard) > SILENT);
+        if silent && pose.seq < slot.newest {
+            slot.newest = 0;
+        }
         // Numbers begin at 1: a first pose numbered 0 repeats nothing.
         if pose.seq == slot.newest && pose.seq > 0 {
             slot.holder = Some((sender, now));
@@ -171,5 +179,57 @@ impl PoseInbox {
 
     fn lock(&self) -> MutexGuard<'_, InboxSlot> {
         self.slot.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use palpate_geometry::math::{Point3, Rotation, Vector3};
+
+    fn inbox() -> PoseInbox {
+        PoseInbox {
+            slot: Mutex::new(InboxSlot {
+                newest: 0,
+                holder: None,
+                input: triple_buffer::triple_buffer(&None).0,
+            }),
+            counters: Arc::default(),
+            asked_again: AtomicBool::new(false),
+            tick_thread: Arc::default(),
+        }
+    }
+
+    fn numbered(seq: u64) -> DevicePose {
+        DevicePose {
+            seq,
+            t_client_ns: 0,
+            position: Point3::origin(),
+            orientation: Rotation::identity(),
+            linear_velocity: Vector3::zeros(),
+            angular_velocity: Vector3::zeros(),
+            buttons: 0,
+        }
+    }
+
+    #[test]
+    fn a_number_from_the_end_of_the_range_locks_a_tool_for_a_second_at_most() {
+        let begun = Instant::now();
+        let at = |ms: u64| begun + Duration::from_millis(ms);
+        let nobody = SenderId::default();
+        for last in [u64::MAX, u64::MAX - 1, 1 << 63, (1 << 53) + 1] {
+            let inbox = inbox();
+            let offer = |seq, ms| inbox.offer_at(numbered(seq), nobody, at(ms));
+            assert_eq!(offer(last, 0), Offered::Taken);
+            let mut first_taken = None;
+            for ms in 1..3000 {
+                if offer(ms, ms) == Offered::Taken {
+                    first_taken.get_or_insert(ms);
+                }
+            }
+            assert_eq!(first_taken, Some(1001), "after {last}");
+            // A pose that comes twice is one, however late.
+            assert!(matches!(offer(2999, 9000), Offered::Duplicate { .. }));
+        }
     }
 }

@@ -1,10 +1,10 @@
 //! How long one client may hold up a session that others share.
 //!
 //! A client that stops reading fills its socket. Zenoh then holds the thread that has a message for it which
-//! may not be dropped (an answer, an event, a declaration), with the routing tables where that is a
-//! declaration, for [`patience`] before it closes that client's transport; by default for five seconds. And
-//! a socket that is closed with unsent bytes holds a receive thread for up to ten: with Zenoh's two receive
-//! threads, two such clients were deaf ears for all.
+//! may not be dropped (an answer, an event, a declaration), for [`patience`] before it closes that client's
+//! transport; a thread that sends to it waits as long, and one that closes its socket with unsent bytes up
+//! to ten seconds. Zenoh has two threads that receive and one that sends: two such clients stopped poses,
+//! forces and commands of all others for five to ten seconds. They need threads of their own.
 
 use palpate_sim::scene::Scene;
 use std::time::Duration;
@@ -14,11 +14,13 @@ const SLOWEST_LINK: f64 = 5e6;
 /// Zenoh's own.
 const LONGEST: Duration = Duration::from_secs(5);
 /// Shorter waits would close clients whose machine is busy for a moment.
-const SHORTEST: Duration = Duration::from_millis(40);
+const SHORTEST: Duration = Duration::from_millis(250);
 /// Between routers, which pass on what is not theirs.
 pub(crate) const ROUTER_PATIENCE: Duration = Duration::from_secs(1);
-/// Sessions that can be held up at a time without others noticing.
-const RECEIVE_THREADS: usize = 128;
+/// Zenoh's threads: of those that receive and send, as many as clients that may be held up at a time without
+/// others noticing. They sleep otherwise.
+const THREADS: &str = "(rx: (worker_threads: 64), tx: (worker_threads: 64), net: (worker_threads: 16), \
+                       acc: (worker_threads: 16), app: (worker_threads: 4))";
 /// A peer that has connected says who it is within this.
 const GREETING: Duration = Duration::from_secs(3);
 /// Peers that have connected and not said who they are.
@@ -63,15 +65,14 @@ pub(crate) fn bound(config: &mut zenoh::Config, patience: Duration) -> Result<()
     Ok(())
 }
 
-/// Gives Zenoh a receive thread for each client that may be held up; they sleep otherwise. To be called
-/// before the first session and the first thread of the process; what the user has set stays.
+/// Gives Zenoh a thread for each client that may be held up. To be called before the first session and the
+/// first thread of the process; what the user has set stays.
 #[allow(unsafe_code)]
-pub fn many_receive_threads() {
+pub fn threads_for_many_clients() {
     const NAME: &str = "ZENOH_RUNTIME";
     if std::env::var_os(NAME).is_none() {
-        let value = format!("(rx: (worker_threads: {RECEIVE_THREADS}))");
         // SAFETY: the caller has started no thread that could read the environment meanwhile.
-        unsafe { std::env::set_var(NAME, value) };
+        unsafe { std::env::set_var(NAME, THREADS) };
     }
 }
 

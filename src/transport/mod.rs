@@ -34,7 +34,7 @@ mod view;
 
 pub(crate) use budget::ROUTER_PATIENCE;
 pub(crate) use budget::bound;
-pub use budget::{many_receive_threads, patience};
+pub use budget::{patience, threads_for_many_clients};
 pub use bus::{Bus, BusReport, BusSettings};
 pub use clients::ClientCounts;
 pub use exposure::is_loopback;

@@ -158,7 +158,9 @@ impl Nets {
             let id = scene.body_id(body).to_owned();
             let key = keys.body_net(&id);
             let line = Line::new(session, key.clone())?;
-            let asked = self.intake.question(&answers, move || Question::Net(id.clone()));
+            let asked = self
+                .intake
+                .question(&answers, move || Question::Net(id.clone()));
             self.queryables
                 .push(session.declare_queryable(key).callback(asked).wait()?);
             self.lines.push(line);

@@ -169,3 +169,35 @@ fn a_pause_and_a_shutdown_wait_for_no_reader_that_has_stopped() {
     assert!(worst < PROMISED, "{worst:?}");
     assert!(end < PROMISED, "{end:?}");
 }
+
+#[test]
+fn connections_that_say_nothing_or_trickle_keep_no_client_out() {
+    let directory = tempfile::tempdir().unwrap();
+    let scene = include_str!("../../scenes/rigid-teardrop.toml");
+    let daemon = Daemon::start(directory.path(), scene, &[]);
+    let address = daemon.endpoint.trim_start_matches("tcp/").to_owned();
+    let over = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            let connect = || TcpStream::connect(&address).unwrap();
+            let mut peers: Vec<TcpStream> = (0..150).map(|_| connect()).collect();
+            while !over.load(Ordering::Relaxed) {
+                for (k, peer) in peers.iter_mut().enumerate() {
+                    // Every other one begins a message of 256 bytes, and comes again when it is closed.
+                    if k % 2 == 0 && peer.write_all(&[0, 1]).is_err() {
+                        *peer = connect();
+                    }
+                }
+                std::thread::sleep(Duration::from_millis(200));
+            }
+        });
+        std::thread::sleep(Duration::from_millis(500));
+        for _ in 0..3 {
+            let begun = Instant::now();
+            let palpate = daemon.connect();
+            palpate.status().unwrap();
+            println!("a client came in within {:?}", begun.elapsed());
+        }
+        over.store(true, Ordering::Relaxed);
+    });
+}
