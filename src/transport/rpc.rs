@@ -317,12 +317,16 @@ fn sent(
     })
 }
 
-/// The call of a query. What is too long is not even copied.
+/// The call of a query. Arguments are given even where there are none: who reads all keys of a bus sends no
+/// payload, and means no command. What is too long is not even copied.
 fn read(method: &str, query: &Asked) -> Result<Call, String> {
     let length = query.payload().map_or(0, ZBytes::len);
     Call::check_length(method, length).map_err(|e| e.to_string())?;
     let payload = query.payload().map(|p| p.to_bytes().into_owned());
-    Call::parse(method, &payload.unwrap_or_default()).map_err(|e| e.to_string())
+    let payload = payload.filter(|bytes| !bytes.is_empty()).ok_or_else(|| {
+        format!("{method} is a command: send its arguments as a JSON object, {{}} where it needs none; without a payload it has no effect")
+    })?;
+    Call::parse(method, &payload).map_err(|e| e.to_string())
 }
 
 fn ask_archive(

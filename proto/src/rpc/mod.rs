@@ -166,11 +166,10 @@ calls! {
 }
 
 impl Call {
-    /// Reads a call. Arguments are given even where there are none, as `{}`: who reads all keys of a bus
-    /// sends no payload, and means no command.
+    /// Reads a call; no bytes count as `{}`.
     ///
     /// # Errors
-    /// A method that does not exist; no payload; arguments that are too long, not a JSON object, missing, of
+    /// A method that does not exist; arguments that are too long, not a JSON object, missing, of
     /// another method, of another type or out of range.
     pub fn parse(method: &str, payload: &[u8]) -> Result<Self, CallError> {
         Self::check_length(method, payload.len())?;
@@ -230,15 +229,6 @@ pub enum CallError {
         reason: String,
         /// Its arguments.
         known: String,
-    },
-    /// Nothing that says that a command is meant.
-    #[error(
-        "{method} is a command: send its arguments as a JSON object, {{}} where it needs none; a query without a payload \
-         has no effect"
-    )]
-    NoPayload {
-        /// Method.
-        method: &'static str,
     },
     /// JSON, but not an object.
     #[error(
@@ -303,7 +293,7 @@ fn parse<A: for<'de> Deserialize<'de> + Default>(
         known: known(method),
     };
     if payload.is_empty() {
-        return Err(CallError::NoPayload { method });
+        return Ok(A::default());
     }
     if payload.trim_ascii_start().first() != Some(&b'{') {
         let known = known(method);
