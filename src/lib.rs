@@ -14,6 +14,7 @@ pub mod batch;
 #[doc(hidden)]
 pub mod chart;
 pub mod cli;
+mod door;
 pub mod drive;
 pub mod editing;
 pub mod faults;

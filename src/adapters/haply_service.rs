@@ -1,10 +1,11 @@
 //! A simulated device as a Haply Inverse Service: for programs written for Haply, without hardware.
 
 use super::simulated::SimulatedHand;
+use crate::door::{Door, Limits, Place};
 use palpate_client::proto::messages::ToolPose;
 use palpate_devices::haply::{Buttons, DeviceState, read_forces, state_message};
-use std::net::{IpAddr, SocketAddr, TcpListener, TcpStream};
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::net::{IpAddr, Shutdown, SocketAddr, TcpListener, TcpStream};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use tungstenite::handshake::server::{ErrorResponse, Request, Response};
@@ -19,8 +20,16 @@ const KEPT: Duration = Duration::from_millis(50);
 const CATCH_UP: Duration = Duration::from_millis(50);
 /// Between two looks at whether to stop.
 const TURN: Duration = Duration::from_millis(20);
-/// Programs at once.
-const MOST: u64 = 16;
+/// A program that takes nothing for so long is given up.
+const PATIENCE: Duration = Duration::from_secs(5);
+/// Programs at once: for another one that which has said nothing for longest leaves.
+const LIMITS: Limits = Limits {
+    waiting: 16,
+    served: 0,
+    of_one: 0,
+    urgent: 0,
+    idle: None,
+};
 
 /// When a device moves on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -112,28 +121,31 @@ pub fn serve(
         told: Instant::now(),
         now: Instant::now(),
     }));
-    let open = Arc::new(AtomicU64::new(0));
+    let door = Door::new(LIMITS);
     let mut session = 0;
     while !stop.load(Ordering::Relaxed) {
-        let stream = match listener.accept() {
-            Ok((stream, _)) if open.load(Ordering::Relaxed) < MOST => stream,
-            Ok(_) => continue,
-            Err(_) => {
-                std::thread::sleep(TURN);
-                continue;
-            }
+        door.sweep(Instant::now());
+        let Ok((stream, from)) = listener.accept() else {
+            std::thread::sleep(TURN);
+            continue;
+        };
+        let place = stream
+            .try_clone()
+            .ok()
+            .and_then(|ended| door.enter(from.ip(), move || drop(ended.shutdown(Shutdown::Both))));
+        let Some(place) = place else {
+            std::thread::sleep(TURN);
+            continue;
         };
         session += 1;
-        open.fetch_add(1, Ordering::Relaxed);
-        let (shared, stop, open) = (shared.clone(), stop.clone(), open.clone());
+        let (shared, stop) = (shared.clone(), stop.clone());
         std::thread::Builder::new()
             .name("palpate-haply".into())
             .spawn(move || {
-                if let Err(error) = program(stream, session, &shared, &stop) {
+                if let Err(error) = program(stream, &place, session, &shared, &stop) {
                     tracing::debug!(%error, "a program of the Inverse Service left");
                 }
                 lock(&shared).force = [0.0; 3];
-                open.fetch_sub(1, Ordering::Relaxed);
             })?;
     }
     Ok(())
@@ -169,25 +181,32 @@ fn own_site(request: &Request, response: Response) -> Result<Response, ErrorResp
 /// One program: all at first, then a state for each message.
 fn program(
     stream: TcpStream,
+    place: &Place,
     session: u64,
     shared: &Mutex<Shared>,
     stop: &AtomicBool,
 ) -> tungstenite::Result<()> {
     stream.set_nonblocking(false)?;
     stream.set_nodelay(true)?;
-    stream.set_read_timeout(Some(Duration::from_secs(5)))?;
+    stream.set_write_timeout(Some(PATIENCE))?;
+    // The handshake is a request like any other.
+    place.hears();
     let mut socket: WebSocket<TcpStream> = match tungstenite::accept_hdr(stream, own_site) {
         Ok(socket) => socket,
         Err(tungstenite::HandshakeError::Failure(error)) => return Err(error),
         Err(tungstenite::HandshakeError::Interrupted(_)) => return Ok(()),
     };
+    place.waits();
     socket.get_ref().set_read_timeout(Some(TURN))?;
     let first = lock(shared).state();
     socket.send(Message::text(state_message(&[first], Some(session))))?;
     while !stop.load(Ordering::Relaxed) {
         use std::io::ErrorKind::{TimedOut, WouldBlock};
         let text = match socket.read() {
-            Ok(Message::Text(text)) => text.to_string(),
+            Ok(Message::Text(text)) => {
+                place.waits();
+                text.to_string()
+            }
             Ok(Message::Close(_)) => return Ok(()),
             Ok(_) => continue,
             Err(tungstenite::Error::Io(error)) if matches!(error.kind(), WouldBlock | TimedOut) => {

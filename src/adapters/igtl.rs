@@ -7,19 +7,27 @@
 //! A tracker has no motors: nothing comes back to it. Loopback only.
 
 use super::unix_ns;
+use crate::door::{Door, Limits, Place};
 use palpate_client::proto::messages::ToolForce;
 use palpate_client::{Latest, Palpate, Tool, pose_at};
 use palpate_devices::igtl::{HEADER, Header, TrackedPose, transform};
 use std::collections::BTreeMap;
 use std::io::{ErrorKind, Read as _, Write as _};
-use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
+use std::net::{Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-/// Clients at once.
-const MOST_CLIENTS: usize = 8;
+/// Clients at once: for another one that which has said nothing for longest leaves. Slicer only listens, so nobody
+/// leaves for silence alone.
+const LIMITS: Limits = Limits {
+    waiting: 8,
+    served: 0,
+    of_one: 0,
+    urgent: 0,
+    idle: None,
+};
 /// Longest body that is read, bytes; images are longer, and of no use here.
 const MOST_BYTES: u64 = 1 << 20;
 /// Proxies a second.
@@ -43,7 +51,6 @@ struct Shared {
     instance: String,
     tools: Arc<[String]>,
     stop: Arc<AtomicBool>,
-    clients: Arc<AtomicUsize>,
 }
 
 impl Igtl {
@@ -66,7 +73,6 @@ impl Igtl {
             instance: instance.to_owned(),
             tools: tools.into(),
             stop: stop.clone(),
-            clients: Arc::default(),
         };
         let thread = std::thread::Builder::new()
             .name("palpate-igtl".into())
@@ -94,35 +100,35 @@ impl Drop for Igtl {
 }
 
 fn accept(listener: &TcpListener, shared: &Shared) {
+    let door = Door::new(LIMITS);
     let mut threads: Vec<JoinHandle<()>> = Vec::new();
     while !shared.stop.load(Ordering::Acquire) {
         threads.retain(|thread| !thread.is_finished());
-        let stream = match listener.accept() {
-            Ok((stream, _)) if shared.clients.load(Ordering::Acquire) < MOST_CLIENTS => stream,
-            // Who is one too many is closed.
-            Ok(_) => continue,
+        door.sweep(Instant::now());
+        let (stream, from) = match listener.accept() {
+            Ok((stream, from)) => (Arc::new(stream), from),
             Err(_) => {
                 std::thread::sleep(TURN);
                 continue;
             }
         };
+        let ended = stream.clone();
+        let place = door.enter(from.ip(), move || drop(ended.shutdown(Shutdown::Both)));
+        let Some(place) = place else {
+            std::thread::sleep(TURN);
+            continue;
+        };
         let shared = shared.clone();
-        shared.clients.fetch_add(1, Ordering::AcqRel);
-        let counted = shared.clients.clone();
         let started = std::thread::Builder::new()
             .name("palpate-igtl-client".into())
             .spawn(move || {
-                if let Err(error) = serve(&stream, &shared) {
+                if let Err(error) = serve(&stream, &shared, &place) {
                     tracing::info!(%error, "an OpenIGTLink client left");
                 }
-                shared.clients.fetch_sub(1, Ordering::AcqRel);
             });
         match started {
             Ok(thread) => threads.push(thread),
-            Err(error) => {
-                counted.fetch_sub(1, Ordering::AcqRel);
-                tracing::warn!(%error, "no thread for an OpenIGTLink client");
-            }
+            Err(error) => tracing::warn!(%error, "no thread for an OpenIGTLink client"),
         }
     }
     for thread in threads {
@@ -131,7 +137,7 @@ fn accept(listener: &TcpListener, shared: &Shared) {
 }
 
 /// Speaks with one client: writes on this thread, reads on another.
-fn serve(stream: &TcpStream, shared: &Shared) -> anyhow::Result<()> {
+fn serve(stream: &TcpStream, shared: &Shared, place: &Place) -> anyhow::Result<()> {
     stream.set_nonblocking(false)?;
     stream.set_nodelay(true)?;
     stream.set_read_timeout(Some(TURN))?;
@@ -143,7 +149,7 @@ fn serve(stream: &TcpStream, shared: &Shared) -> anyhow::Result<()> {
     let gone = AtomicBool::new(false);
     std::thread::scope(|scope| {
         let reader = scope.spawn(|| {
-            let read = read_all(stream, &palpate, shared, &gone);
+            let read = read_all(stream, &palpate, shared, place, &gone);
             gone.store(true, Ordering::Release);
             read
         });
@@ -176,13 +182,14 @@ fn read_all(
     stream: &TcpStream,
     palpate: &Palpate,
     shared: &Shared,
+    place: &Place,
     gone: &AtomicBool,
 ) -> anyhow::Result<()> {
     let over = || gone.load(Ordering::Acquire) || shared.stop.load(Ordering::Acquire);
     let mut held: BTreeMap<String, Tool> = BTreeMap::new();
     let mut refused: Option<String> = None;
     let mut head = [0; HEADER];
-    while fill(stream, &mut head, &over)? {
+    while fill(stream, place, &mut head, &over)? {
         let header = Header::read(&head)?;
         anyhow::ensure!(
             header.body <= MOST_BYTES,
@@ -191,9 +198,10 @@ fn read_all(
             header.body
         );
         let mut body = vec![0; header.body as usize];
-        if !fill(stream, &mut body, &over)? {
+        if !fill(stream, place, &mut body, &over)? {
             break;
         }
+        place.waits();
         let moved = header.pose(&body).map_err(anyhow::Error::from);
         let moved = moved.and_then(|pose| match pose {
             Some(pose) => move_tool(palpate, shared, &mut held, &header, &pose),
@@ -244,6 +252,7 @@ fn move_tool(
 /// Fills a buffer; false if the other side closed before its first byte, or all is over.
 fn fill(
     mut stream: &TcpStream,
+    place: &Place,
     buffer: &mut [u8],
     over: &dyn Fn() -> bool,
 ) -> anyhow::Result<bool> {
@@ -252,7 +261,10 @@ fn fill(
         match stream.read(&mut buffer[at..]) {
             Ok(0) if at == 0 => return Ok(false),
             Ok(0) => anyhow::bail!("a message is cut short"),
-            Ok(count) => at += count,
+            Ok(count) => {
+                at += count;
+                place.hears();
+            }
             Err(error) => match error.kind() {
                 ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted => {}
                 _ => return Err(error.into()),

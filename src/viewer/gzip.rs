@@ -1,10 +1,10 @@
 //! Texts are sent compressed to who takes that: the page's script is a third of its size over a network.
 
-use axum::body::{Body, Bytes, to_bytes};
+use axum::body::{Bytes, to_bytes};
 use axum::extract::{Request, State};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::middleware::Next;
-use axum::response::Response;
+use axum::response::{IntoResponse, Response};
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use std::io::Write as _;
@@ -52,24 +52,29 @@ pub(super) async fn texts(State(kept): State<Kept>, request: Request, next: Next
     }
     let (mut head, body) = response.into_parts();
     let Ok(plain) = to_bytes(body, MOST_BYTES).await else {
-        return Response::builder()
-            .status(StatusCode::INTERNAL_SERVER_ERROR)
-            .body(Body::empty())
-            .unwrap_or_default();
+        return failed();
     };
     if plain.len() < LEAST_BYTES {
         return Response::from_parts(head, plain.into());
     }
-    let packed = match kept.of(&path) {
+    // Aside: others are served meanwhile.
+    let packed = tokio::task::spawn_blocking(move || match kept.of(&path) {
         Some(once) => once
             .get_or_init(|| gzip(&plain, Compression::best()))
             .clone(),
         None => gzip(&plain, Compression::fast()),
+    });
+    let Ok(packed) = packed.await else {
+        return failed();
     };
     head.headers.remove(header::CONTENT_LENGTH);
     head.headers
         .insert(header::CONTENT_ENCODING, HeaderValue::from_static("gzip"));
     Response::from_parts(head, packed.into())
+}
+
+fn failed() -> Response {
+    StatusCode::INTERNAL_SERVER_ERROR.into_response()
 }
 
 fn gzip(plain: &[u8], level: Compression) -> Bytes {

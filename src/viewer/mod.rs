@@ -174,7 +174,9 @@ impl Viewer {
                 .unwrap_or_else(PoisonError::into_inner)
                 .clone();
             let json = [(axum::http::header::CONTENT_TYPE, "application/json")];
-            std::future::ready((json, bodies_inside(&scene)))
+            // Aside: megabytes of a large body.
+            let text = tokio::task::spawn_blocking(move || bodies_inside(&scene));
+            async move { (json, text.await.unwrap_or_default()) }
         };
         let session_json = move || {
             let (mut info, neighbours) = (info.clone(), neighbours.clone());

@@ -2,24 +2,18 @@
 
 use super::guard::{self, Hosts};
 use super::gzip;
-use super::listener::{BoundedListener, Peer};
-use axum::extract::ConnectInfo;
+use super::listener::accept;
+use axum::Router;
 use axum::http::header;
 use axum::middleware::from_fn_with_state;
 use axum::response::IntoResponse;
 use axum::routing::get;
-use axum::serve::Listener as _;
-use axum::{Extension, Router};
-use hyper::server::conn::http1;
-use hyper_util::rt::{TokioIo, TokioTimer};
-use hyper_util::service::TowerToHyperService;
 use std::borrow::Cow;
 use std::net::SocketAddr;
-use std::time::Duration;
 use tokio::sync::oneshot;
 
-/// A request's head takes no longer; nor does a connection idle longer between two.
-const HEAD: Duration = Duration::from_secs(15);
+/// Threads for what takes time: files, compressing. The loop needs the other cores.
+const ASIDE: usize = 2;
 
 /// The bundle that `clients/web` makes.
 const PAGE: &str = include_str!("page/index.html");
@@ -50,6 +44,7 @@ impl Server {
         let address = listener.local_addr()?;
         let runtime = tokio::runtime::Builder::new_current_thread()
             .enable_all()
+            .max_blocking_threads(ASIDE)
             .build()?;
         let app = routes
             .layer(from_fn_with_state(gzip::Kept::default(), gzip::texts))
@@ -65,7 +60,7 @@ impl Server {
                         Ok(listener) => {
                             let serve = async {
                                 if begun.await.is_ok() {
-                                    accept(BoundedListener::new(listener), app).await;
+                                    accept(listener, app).await;
                                 }
                             };
                             tokio::select! {
@@ -102,26 +97,6 @@ impl Server {
             });
         }
         format!("http://{address}/")
-    }
-}
-
-/// Serves connections as they come. One that does not send the head of a request in time is closed, so
-/// that idle ones do not keep others out.
-async fn accept(mut listener: BoundedListener, app: Router) {
-    loop {
-        let (connection, address) = listener.accept().await;
-        let app = app.clone().layer(Extension(ConnectInfo(Peer(address))));
-        tokio::spawn(async move {
-            let served = http1::Builder::new()
-                .timer(TokioTimer::new())
-                .header_read_timeout(HEAD)
-                .serve_connection(TokioIo::new(connection), TowerToHyperService::new(app))
-                .with_upgrades()
-                .await;
-            if let Err(error) = served {
-                tracing::debug!(%error, "a connection of the page");
-            }
-        });
     }
 }
 

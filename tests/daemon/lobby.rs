@@ -319,6 +319,25 @@ fn garbage_is_refused_and_the_lobby_goes_on() {
     assert_eq!(lobby.ask("GET /healthz", "").text(), "ok\n");
 }
 
+// It goes through the same door as a daemon's page.
+#[test]
+fn a_lobby_is_found_healthy_through_those_who_only_wait() {
+    let lobby = Lobby::start(&[]);
+    let crowd = || {
+        let mut stream = TcpStream::connect(("127.0.0.1", lobby.port)).unwrap();
+        let _ = stream.write_all(b"POST /sessions HTTP/1.1\r\nX");
+        stream
+    };
+    let _crowd: Vec<TcpStream> = (0..150).map(|_| crowd()).collect();
+    let mut stream = TcpStream::connect(("127.0.0.1", lobby.port)).unwrap();
+    let patience = Some(Duration::from_secs(3));
+    stream.set_read_timeout(patience).unwrap();
+    write!(stream, "GET /healthz HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n").unwrap();
+    let mut status = [0; 12];
+    stream.read_exact(&mut status).unwrap();
+    assert_eq!(&status[9..], b"200");
+}
+
 #[test]
 fn a_daemon_that_was_killed_is_noticed_and_its_place_is_free() {
     let lobby = Lobby::start(&["--max", "1"]);

@@ -331,6 +331,18 @@ fn in_real_time_the_adapter_and_the_simulated_service_press_the_drop() {
     assert!(report["poses"].as_u64().unwrap() > 300);
 }
 
+// Seen: sixteen connections that say nothing, or one byte every few seconds, and no program got in.
+#[test]
+fn a_program_gets_in_past_those_who_say_nothing() {
+    let service = Service::start(&[]);
+    let address = service.uri.strip_prefix("ws://").unwrap();
+    let _silent: Vec<TcpStream> = (0..20)
+        .map(|_| TcpStream::connect(address).unwrap())
+        .collect();
+    let mut socket = connect(&service.uri);
+    read_state(&text(&mut socket), None, 0).unwrap();
+}
+
 #[test]
 fn pages_of_other_sites_do_not_reach_the_simulated_service() {
     use tungstenite::client::IntoClientRequest as _;

@@ -73,6 +73,26 @@ fn a_tracker_moves_a_tool_that_stops_at_the_surface_and_the_next_one_takes_over(
     }
 }
 
+// Seen: eight connections that say nothing, and no tracker got in.
+#[test]
+fn a_tracker_gets_in_past_those_who_say_nothing() {
+    let (_files, daemon, port) = start();
+    let palpate = daemon.connect();
+    let newest = palpate.forces("ball").unwrap();
+    let _silent: Vec<TcpStream> = (0..12).map(|_| connect(port)).collect();
+    let mut tracker = connect(port);
+    let begun = Instant::now();
+    let there = [0.061, 0.003, 0.045];
+    while newest
+        .get()
+        .is_none_or(|force| (force.proxy_position[0] - there[0]).abs() > 1e-4)
+    {
+        assert!(begun.elapsed() < Duration::from_secs(30), "it is not heard");
+        let _ = tracker.write_all(&transform("ball", 0, there, UNTURNED));
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
 #[test]
 fn nonsense_moves_nothing_and_ends_only_its_own_connection() {
     let (_files, daemon, port) = start();

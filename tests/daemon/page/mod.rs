@@ -1,6 +1,7 @@
 //! The page: its socket, who may use it, and what it does to a scene.
 
 mod browser;
+mod crowds;
 mod hands;
 mod recordings;
 mod security;

@@ -51,8 +51,15 @@ use palpate_geometry::surface::Surface;
 
 /// Default gap, relative to the diagonal of the box around both bodies.
 const USUAL_GAP: f64 = 1e-3;
-/// Least gap, as a share of the same: below it the digits of a translation end.
+/// Least gap, as a share of the same, and in lengths that are nothing to an overlap test: below it the digits of a
+/// translation end, or those of coordinates far from the origin.
 const LEAST_GAP: f64 = 1e-9;
+const ROUNDING: f64 = 16.0;
+/// A gap that contact planes lead to from contact, as a share of the same: wider than what a search leaves, and about
+/// what triangles are off from their surfaces.
+const WORKING_GAP: f64 = 1e-4;
+/// How much farther than what certainly frees the triangles, as a share of the same: the surfaces too.
+const FAR: f64 = 0.1;
 /// Most halvings of the grid step.
 const MOST_HALVINGS: usize = 3;
 
@@ -175,8 +182,13 @@ impl Asked {
     fn new(pair: &Pair<'_>, spec: &IsolateSpec) -> Result<Self, IsolateError> {
         let diameter_m = pair.diameter_m;
         let gap_m = spec.gap_m.unwrap_or(USUAL_GAP * diameter_m);
-        if !(gap_m >= LEAST_GAP * diameter_m && gap_m <= diameter_m) {
-            return Err(IsolateError::Gap { gap_m, diameter_m });
+        let least_m = (LEAST_GAP * diameter_m).max(ROUNDING * pair.tolerance_m());
+        if !(gap_m >= least_m && gap_m <= diameter_m) {
+            return Err(IsolateError::Gap {
+                gap_m,
+                least_m,
+                most_m: diameter_m,
+            });
         }
         if let Some(turn) = spec.max_turn_deg
             && !(0.0..=180.0).contains(&turn)
@@ -335,41 +347,107 @@ impl Asked {
     }
 
     /// Translation with the gap, and the gap.
+    ///
+    /// The least gap of use for contact planes is wider than the least that can be asked for, so narrower ones are
+    /// reached from there: a smaller gap is never harder to leave than a larger one, nor farther away.
     fn settled(
+        &self,
+        pair: &mut Pair<'_>,
+        mut exact: Option<&mut Exact>,
+        contact: &Vector3,
+        along: Option<Vector3>,
+    ) -> Result<(Vector3, f64), Reason> {
+        let start = pair.moved_by(&Vector3::zeros());
+        let gap_at = |pair: &mut Pair<'_>, exact: &mut Option<&mut Exact>, at: &Vector3| {
+            match exact {
+                // Far apart is wide enough.
+                Some(exact) => exact
+                    .gap_m(&(start + at), 2.0 * self.gap_m)
+                    .unwrap_or(pair.diameter_m),
+                None if pair.overlap(at) => f64::NEG_INFINITY,
+                None => pair.nearest(at).gap_m,
+            }
+        };
+        if *contact == Vector3::zeros() {
+            let gap_m = gap_at(pair, &mut exact, contact);
+            if gap_m >= self.gap_m {
+                return Ok((*contact, gap_m));
+            }
+        }
+        let mut wide_m = self.gap_m.max(WORKING_GAP * pair.diameter_m);
+        let (at, gap_m) = loop {
+            match self.widened(pair, exact.as_deref_mut(), contact, along, wide_m) {
+                Ok(found) => break found,
+                // There may be room for less.
+                Err(_) if wide_m > self.gap_m => wide_m = self.gap_m.max(0.1 * wide_m),
+                Err(reason) => {
+                    let mut gap_at =
+                        |pair: &mut Pair<'_>, at: &Vector3| gap_at(pair, &mut exact, at);
+                    let round = self.round(pair, &mut gap_at, contact, along);
+                    return round.ok_or(reason);
+                }
+            }
+        };
+        let mut gap_at = |at: &Vector3| gap_at(pair, &mut exact, at);
+        Ok(settle::trimmed(&at, gap_m, self.gap_m, &mut gap_at))
+    }
+
+    /// Where a hole that the bodies stand in has no room for the gap: from far away, in spread directions, back to it.
+    fn round(
+        &self,
+        pair: &mut Pair<'_>,
+        gap_at: &mut dyn FnMut(&mut Pair<'_>, &Vector3) -> f64,
+        contact: &Vector3,
+        along: Option<Vector3>,
+    ) -> Option<(Vector3, f64)> {
+        let mut best: Option<(Vector3, f64)> = None;
+        let onward = contact.try_normalize(0.0);
+        for direction in onward.into_iter().chain(along).chain(search::fourteen()) {
+            let far_m = pair.certain_exit_m(&direction) + self.gap_m + FAR * pair.diameter_m;
+            let far = direction * far_m;
+            let gap_m = gap_at(pair, &far);
+            if gap_m < self.gap_m {
+                continue;
+            }
+            let found = settle::trimmed(&far, gap_m, self.gap_m, &mut |at| gap_at(pair, at));
+            let shorter = best.is_none_or(|(at, _)| found.0.norm() < at.norm());
+            if shorter && self.limit.allows(pair, &found.0) {
+                best = Some(found);
+            }
+        }
+        best
+    }
+
+    /// A place with a gap of at least `gap_m`, and the gap.
+    fn widened(
         &self,
         pair: &mut Pair<'_>,
         exact: Option<&mut Exact>,
         contact: &Vector3,
         along: Option<Vector3>,
+        gap_m: f64,
     ) -> Result<(Vector3, f64), Reason> {
-        let at = settle::settled(pair, &self.limit, contact, along, self.gap_m)?;
+        let at = settle::settled(pair, &self.limit, contact, along, gap_m)?;
         let Some(exact) = exact else {
             return Ok((at, pair.nearest(&at).gap_m));
         };
         let start = pair.moved_by(&Vector3::zeros());
-        if at == Vector3::zeros() {
-            let mesh_gap_m = pair.nearest(&at).gap_m;
-            let gap_m = exact.gap_m(&start, 1.1 * mesh_gap_m).unwrap_or(mesh_gap_m);
-            if gap_m >= self.gap_m {
-                return Ok((at, gap_m));
-            }
-        }
         let turning = if self.limit.most_rad.is_some() {
             along
         } else {
             None
         };
-        let (at, gap_m) = exact
-            .settled(&start, &at, turning, self.gap_m)
-            .or_else(|| exact.settled(&start, &at, at.try_normalize(0.0), self.gap_m))
+        let (at, found_m) = exact
+            .settled(&start, &at, turning, gap_m)
+            .or_else(|| exact.settled(&start, &at, at.try_normalize(0.0), gap_m))
             .ok_or(Reason::NoGap)?;
         if along.is_none()
-            && let Some(shorter) = exact.shortened(&start, &at, self.gap_m)
+            && let Some(shorter) = exact.shortened(&start, &at, gap_m)
         {
             return Ok(shorter);
         }
         if self.limit.allows(pair, &at) {
-            Ok((at, gap_m))
+            Ok((at, found_m))
         } else {
             Err(Reason::Turned)
         }

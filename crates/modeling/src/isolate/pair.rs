@@ -92,6 +92,11 @@ impl<'a> Pair<'a> {
         }
     }
 
+    /// Lengths up to this are nothing, m.
+    pub fn tolerance_m(&self) -> f64 {
+        self.tolerance_m
+    }
+
     /// What the moving body's own coordinates are moved by.
     pub fn moved_by(&self, translation: &Vector3) -> Vector3 {
         self.start + translation

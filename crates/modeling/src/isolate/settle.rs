@@ -1,18 +1,20 @@
-//! From contact to a gap of the wanted width: of the meshes, then of the surfaces themselves.
+//! From contact to a gap of the wanted width: of the meshes, then of the surfaces themselves; and back towards the
+//! start as far as the gap allows.
 
 use super::Reason;
 use super::pair::Pair;
 use super::planes::{HalfSpace, keep, shortest};
 use super::search::SearchLimit;
 use palpate_geometry::contact::pair::{PairSide, PairSolver};
-use palpate_geometry::contact::{ContactSet, Reach};
+use palpate_geometry::contact::{Contact, ContactSet, Reach};
 use palpate_geometry::math::Vector3;
 use palpate_geometry::surface::{ClosestSolver, Surface};
 
 /// The gap may be wider than asked for by this share.
-pub(super) const WIDER: f64 = 0.3;
-/// What is aimed at, inside that.
+const WIDER: f64 = 0.3;
+/// What is aimed at, inside that, and how nearly.
 const AIM: f64 = 0.1;
+const NEARLY: f64 = 0.02;
 /// How many gaps away the surfaces may be where the meshes have the right gap.
 const LOOK_FAR: f64 = 16.0;
 /// Contact planes that the next place respects: bodies may touch all round a ring.
@@ -26,10 +28,13 @@ const BESIDE: f64 = 0.25;
 const MOST_HALVINGS: usize = 12;
 /// Most pushes.
 const MOST_PUSHES: usize = 60;
+/// Most steps back, and the least share of a step by which the gap is taken to narrow.
+const MOST_TRIMS: usize = 100;
+const GLANCING: f64 = 0.1;
 
-/// Widens the gap of the meshes to `gap_m` … 1.3 `gap_m`, from a free place. First along a unit
-/// vector, if one is given; where that leads to no gap, by the shortest way that the contact planes
-/// seen so far allow; then straight on.
+/// Widens the gap of the meshes to `gap_m` or more, from a free place: along a unit vector, if one is given; by the
+/// shortest way that the contact planes seen so far allow; straight on. The shortest of these, so that what leads to a
+/// wider gap is no shorter than what leads to this one.
 pub(super) fn settled(
     pair: &mut Pair<'_>,
     limit: &SearchLimit,
@@ -40,21 +45,21 @@ pub(super) fn settled(
     if pair.nearest(from).gap_m >= gap_m {
         return Ok(*from);
     }
-    let far = along
-        .and_then(|along| pushed_along(pair, from, along, gap_m))
-        .or_else(|| pushed(pair, from, gap_m))
-        .or_else(|| {
-            from.try_normalize(0.0)
-                .and_then(|onward| pushed_along(pair, from, onward, gap_m))
-        });
-    let place = far
-        .map(|far| narrowed(pair, from, &far, gap_m))
-        .ok_or(Reason::NoGap)?;
-    if limit.allows(pair, &place) {
-        Ok(place)
-    } else {
-        Err(Reason::Turned)
+    let onward = from.try_normalize(0.0);
+    let ways = [
+        along.and_then(|along| pushed_along(pair, from, along, gap_m)),
+        pushed(pair, from, gap_m),
+        onward.and_then(|onward| pushed_along(pair, from, onward, gap_m)),
+    ];
+    let mut found: Result<Vector3, Reason> = Err(Reason::NoGap);
+    for place in ways.into_iter().flatten() {
+        found = match found {
+            Ok(best) if !limit.allows(pair, &place) || place.norm() >= best.norm() => Ok(best),
+            Err(_) if !limit.allows(pair, &place) => Err(Reason::Turned),
+            _ => Ok(place),
+        };
     }
+    found
 }
 
 fn pushed_along(
@@ -108,29 +113,51 @@ fn pushed(pair: &mut Pair<'_>, from: &Vector3, gap_m: f64) -> Option<Vector3> {
     None
 }
 
-/// On the way from a place with too little gap to one with enough: where the gap is not too wide
-/// either.
-fn narrowed(pair: &mut Pair<'_>, near: &Vector3, far: &Vector3, gap_m: f64) -> Vector3 {
-    let (mut low, mut high) = (0.0, 1.0);
-    let span = far - near;
-    for _ in 0..60 {
-        let place = near + span * high;
-        let gap = pair.nearest(&place).gap_m;
-        if gap <= gap_m * (1.0 + WIDER / 2.0) {
+/// From a place with a gap of `gap_m` or more straight towards the start, as far as the gap stays: to a gap of `gap_m` …
+/// 1.3 `gap_m`, or to the start itself. The place and its gap.
+///
+/// On this way the length falls with the gap, whatever the gap that is asked for, and there is one for each gap: before
+/// the start, where the bodies overlap, the gap goes through all widths. `gap_at` is below `gap_m`, or negative,
+/// where bodies overlap.
+pub(super) fn trimmed(
+    from: &Vector3,
+    gap_there_m: f64,
+    gap_m: f64,
+    gap_at: &mut dyn FnMut(&Vector3) -> f64,
+) -> (Vector3, f64) {
+    let (aim, enough) = (gap_m * (1.0 + AIM), gap_m * (1.0 + AIM + NEARLY));
+    // Shares of the way, with their gaps: wide enough, and not.
+    let (mut far, mut near): (_, Option<(f64, f64)>) = ((1.0, gap_there_m), None);
+    let length = from.norm();
+    let mut slope = 1.0;
+    for _ in 0..MOST_TRIMS {
+        if far.1 <= enough || length <= 0.0 {
             break;
         }
-        let middle = 0.5 * (low + high);
-        let there = near + span * middle;
-        if !pair.overlap(&there) && pair.nearest(&there).gap_m >= gap_m {
-            high = middle;
+        let next = match near {
+            // The gap narrows by no more than the way.
+            None => (far.0 - (far.1 - aim) / (slope * length)).max(0.0),
+            Some((at, gap)) if gap.is_finite() => {
+                let share = (aim - gap) / (far.1 - gap);
+                at + (far.0 - at) * share.clamp(0.02, 0.98)
+            }
+            Some((at, _)) => 0.5 * (at + far.0),
+        };
+        if next >= far.0 || near.is_some_and(|(at, _)| next <= at) {
+            break;
+        }
+        let gap = gap_at(&(from * next));
+        if gap >= gap_m {
+            slope = ((far.1 - gap) / ((far.0 - next) * length)).clamp(GLANCING, 1.0);
+            far = (next, gap);
+            if next <= 0.0 {
+                break;
+            }
         } else {
-            low = middle;
-        }
-        if high - low < 1e-12 {
-            break;
+            near = Some((next, gap));
         }
     }
-    near + span * high
+    (from * far.0, far.1)
 }
 
 /// The surfaces themselves, without triangles.
@@ -141,6 +168,8 @@ pub(super) struct Exact {
     solvers: [ClosestSolver; 2],
     pair: PairSolver,
     contacts: ContactSet,
+    /// Of both, m.
+    size_m: f64,
 }
 
 impl Exact {
@@ -155,6 +184,7 @@ impl Exact {
             solvers: [ClosestSolver::new(&fixed), ClosestSolver::new(&moving)],
             pair: PairSolver::new(&fixed, &moving),
             contacts: ContactSet::new(),
+            size_m: fixed.size() + moving.size(),
             moved: moving.clone(),
             moving,
             fixed,
@@ -193,10 +223,23 @@ impl Exact {
         );
     }
 
-    /// Gap of the surfaces at a place, negative for a depth; `None` when it is above `margin_m`.
-    pub fn gap_m(&mut self, by: &Vector3, margin_m: f64) -> Option<f64> {
-        self.look(by, margin_m);
-        self.contacts.deepest().map(|contact| -contact.depth_m)
+    /// Looks as far as it needs to find a contact, from a margin on.
+    fn look_for(&mut self, by: &Vector3, margin_m: f64) -> Option<Contact> {
+        let mut reach_m = margin_m;
+        loop {
+            self.look(by, reach_m);
+            let deepest = self.contacts.deepest().copied();
+            if deepest.is_some() || reach_m > self.size_m {
+                return deepest;
+            }
+            reach_m *= LOOK_FAR;
+        }
+    }
+
+    /// Gap of the surfaces at a place, negative for a depth, with a guess how wide it is. `None` where they are far
+    /// apart.
+    pub fn gap_m(&mut self, by: &Vector3, guess_m: f64) -> Option<f64> {
+        Some(-self.look_for(by, guess_m)?.depth_m)
     }
 
     /// Moves on from a place where the meshes are apart until the surfaces are apart by `gap_m` …
@@ -220,8 +263,7 @@ impl Exact {
             } else {
                 margin
             };
-            self.look(&(start + at), reach);
-            let deepest = self.contacts.deepest()?;
+            let deepest = self.look_for(&(start + at), reach)?;
             let gap = -deepest.depth_m;
             if (gap_m..=margin).contains(&gap) {
                 return Some((at, gap));
@@ -265,8 +307,7 @@ impl Exact {
         let (mut at, mut least, mut best) = (*from, from.norm(), None);
         let mut planes: Vec<HalfSpace> = Vec::new();
         for round in 0..MOST_ROUNDS {
-            self.look(&(start + at), LOOK_FAR * margin);
-            let Some(deepest) = self.contacts.deepest() else {
+            let Some(deepest) = self.look_for(&(start + at), LOOK_FAR * margin) else {
                 break;
             };
             let gap = -deepest.depth_m;

@@ -141,7 +141,7 @@ pub enum Reason {
     /// The answer turns too far.
     #[error("the translation found turns the bodies about each other by more than the limit")]
     Turned,
-    /// A gap that is not to be had.
+    /// A gap that is not to be had within the allowed turn.
     #[error("free of overlap, but there is no room for the gap")]
     NoGap,
 }
@@ -240,13 +240,16 @@ pub enum IsolateError {
     },
     /// A gap that is none.
     #[error(
-        "a gap of {gap_m} m cannot be left: it must be finite, above 1e-9 and below 1 of the diameter of the bodies, {diameter_m} m"
+        "a gap of {gap_m:e} m cannot be left between these bodies: give {least_m:e} m, below which rounding moves them, to \
+         {most_m:e} m, the diagonal of the box round both"
     )]
     Gap {
         /// The gap, m.
         gap_m: f64,
-        /// Diagonal of the box round the bodies, m.
-        diameter_m: f64,
+        /// The least, m: 1e-9 of the diagonal of the box round the bodies; more if they are far from the origin.
+        least_m: f64,
+        /// That diagonal, m.
+        most_m: f64,
     },
     /// An angle that is none.
     #[error("a turn of at most {0} degrees: it must be from 0 to 180")]

@@ -1,5 +1,6 @@
 //! The given pairs, hard cases, laws.
 
+mod gaps;
 mod hard;
 mod laws;
 mod table;
