@@ -8,6 +8,7 @@
 //! of ours touches them on their way.
 
 use palpate_client::is_secured;
+use palpate_client::links::{self, Exposed, LOOPBACK_INTERFACE, OpenError, Opening};
 use palpate_proto::messages::{ControlNet, Message};
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -28,7 +29,7 @@ pub struct RelaySettings {
     pub net_hz: Option<f64>,
     /// Those who connect here can look and ask, not move tools, command or say anything.
     pub read_only: bool,
-    /// It may listen to a network without TLS.
+    /// Its links may leave this machine unguarded.
     pub insecure: bool,
     /// Identity file for TLS, as `palpate auth` makes them for daemons.
     pub identity: Option<PathBuf>,
@@ -42,17 +43,13 @@ pub enum RelayError {
     /// A figure that cannot be.
     #[error("--net-hz is {0}; above 0 and at most 1000")]
     Rate(f64),
-    /// Others than this machine would reach it, and read what goes through.
-    #[error(
-        "{0} is open to the network without TLS; listen on 127.0.0.1, on a Unix socket or with tls/, or say --insecure"
-    )]
-    Open(String),
-    /// Whoever has a certificate could do everything through it.
-    #[error(
-        "{0} is open to everybody with a certificate, whatever its role: say what roles may do with --zenoh-config and \
-         the output of `palpate auth rules SCENE`, or --read-only, or --insecure"
-    )]
-    NoRules(String),
+    /// Others than this machine could be at the other end of a link, unguarded.
+    #[error("{error}{}", advice(.error))]
+    Exposed {
+        /// Which.
+        #[from]
+        error: Exposed,
+    },
     /// The identity file.
     #[error("{0}")]
     Identity(String),
@@ -106,13 +103,8 @@ impl Relay {
         {
             return Err(RelayError::Rate(hz));
         }
-        let open = (settings.listen.iter()).find(|endpoint| !stays_here(endpoint));
-        if let (Some(open), false) = (open, settings.insecure) {
-            return Err(RelayError::Open(open.clone()));
-        }
-        if let (Some(open), false) = (settings.without_rules()?, settings.insecure) {
-            return Err(RelayError::NoRules(open));
-        }
+        // Before anybody is asked anything; whose id the rules name does not matter yet.
+        links::check(&settings.router("1")?, settings.insecure)?;
         let upstream = settings.upstream()?;
         let session = settings.session(&upstream)?;
         Ok(Self {
@@ -173,53 +165,35 @@ impl Relay {
     }
 }
 
-/// Only this machine reaches an endpoint, or those who have a certificate for it.
-pub(crate) fn stays_here(endpoint: &str) -> bool {
-    let Some((protocol, address)) = endpoint.split_once('/') else {
-        return false;
-    };
-    let host = address.rsplit_once(':').map_or(address, |(host, _)| host);
-    let number = host.trim_matches(['[', ']']).parse::<std::net::IpAddr>();
-    let loopback = host == "localhost" || number.is_ok_and(|number| number.is_loopback());
-    loopback || protocol == "unixsock-stream" || is_secured(endpoint)
+/// What else lets those behind a relay in.
+fn advice(error: &Exposed) -> &'static str {
+    match error.openings.iter().any(Opening::lacks_rules) {
+        true => "; --read-only is a set of rules, too",
+        false => "",
+    }
+}
+
+impl From<OpenError> for RelayError {
+    fn from(error: OpenError) -> Self {
+        match error {
+            OpenError::Exposed(exposed) => exposed.into(),
+            OpenError::Zenoh(words) => Self::Zenoh(words),
+        }
+    }
 }
 
 impl RelaySettings {
-    /// An endpoint that certificates lead into, and behind which nothing asks for their roles.
-    fn without_rules(&self) -> Result<Option<String>, RelayError> {
-        let encrypted = |endpoint: &&String| is_secured(endpoint);
-        let config = self.config("router")?;
-        let has_rules = (config.get_json("access_control/enabled")).is_ok_and(|is| is == "true");
-        let mut encrypted = self.listen.iter().filter(encrypted);
-        Ok(match has_rules || self.read_only {
-            true => None,
-            false => encrypted.next().cloned(),
-        })
-    }
-
     fn config(&self, mode: &str) -> Result<zenoh::Config, RelayError> {
-        let mut config = self.plain_config(mode)?;
+        let path = self.config.as_deref();
+        let mut config =
+            palpate_client::configuration(path, mode).map_err(|reason| RelayError::Config {
+                path: self.config.clone().unwrap_or_default(),
+                reason,
+            })?;
         if let Some(identity) = &self.identity {
             palpate_client::add_identity(&mut config, identity).map_err(RelayError::Identity)?;
         }
         Ok(config)
-    }
-
-    fn plain_config(&self, mode: &str) -> Result<zenoh::Config, RelayError> {
-        match &self.config {
-            None => {
-                let mut config = zenoh::Config::default();
-                set(&mut config, "mode", &json!(mode))?;
-                set(&mut config, "scouting/multicast/enabled", &json!(false))?;
-                Ok(config)
-            }
-            Some(path) => palpate_client::read_config(path, mode)
-                .map(|(config, _)| config)
-                .map_err(|reason| RelayError::Config {
-                    path: path.clone(),
-                    reason,
-                }),
-        }
     }
 
     /// Asks who is at `from`.
@@ -233,9 +207,11 @@ impl RelaySettings {
         set(&mut config, "connect/endpoints", &json!([self.from]))?;
         let patience_ms = REACH.as_millis() as u64;
         set(&mut config, "connect/timeout_ms", &json!(patience_ms))?;
-        let session = zenoh::open(config)
-            .wait()
-            .map_err(|error| unreachable(error.to_string()))?;
+        let session = match links::open(config, self.insecure) {
+            Ok((session, _)) => session,
+            Err(OpenError::Zenoh(words)) => return Err(unreachable(words)),
+            Err(exposed) => return Err(exposed.into()),
+        };
         let info = session.info();
         let routers = info.routers_zid().wait();
         let upstream = routers.chain(info.peers_zid().wait()).next();
@@ -246,6 +222,11 @@ impl RelaySettings {
     }
 
     fn session(&self, upstream: &str) -> Result<zenoh::Session, RelayError> {
+        let (session, _) = links::open(self.router(upstream)?, self.insecure)?;
+        Ok(session)
+    }
+
+    fn router(&self, upstream: &str) -> Result<zenoh::Config, RelayError> {
         let mut config = self.config("router")?;
         set(&mut config, "connect/endpoints", &json!([self.from]))?;
         set(&mut config, "listen/endpoints", &json!(self.listen))?;
@@ -257,9 +238,7 @@ impl RelaySettings {
         for (key, value) in self.rules(upstream) {
             set(&mut config, key, &value)?;
         }
-        zenoh::open(config)
-            .wait()
-            .map_err(|error| RelayError::Zenoh(error.to_string()))
+        Ok(config)
     }
 
     /// What Zenoh is told to do with messages: key of its configuration, and value.
@@ -275,9 +254,25 @@ impl RelaySettings {
             rules.push(("downsampling", thinned));
         }
         if self.read_only {
-            rules.push(("access_control", read_only(upstream)));
+            rules.push(("access_control", read_only(self.far_end(upstream))));
         }
         rules
+    }
+
+    /// The session at `from`, as a subject of rules. Anybody can call himself by its id, so the link must be its
+    /// own too.
+    fn far_end(&self, id: &str) -> Value {
+        let mut subject = json!({ "id": "upstream", "zids": [id] });
+        let (key, value) = match self.from.split_once('/') {
+            Some(("unixsock-stream", _)) => ("link_protocols", "unixsock-stream"),
+            Some(("tcp", _)) if links::is_here(&self.from) => ("interfaces", LOOPBACK_INTERFACE),
+            Some(_) if is_secured(&self.from) && self.identity.is_some() => {
+                ("cert_common_names", "daemon")
+            }
+            _ => return subject,
+        };
+        subject[key] = json!([value]);
+        subject
     }
 }
 
@@ -288,7 +283,7 @@ fn set(config: &mut zenoh::Config, key: &str, value: &Value) -> Result<(), Relay
 }
 
 /// Everything with the session at `from`; with all others only what watching needs.
-fn read_only(upstream: &str) -> Value {
+fn read_only(upstream: Value) -> Value {
     let rule = |id: &str, flows: &[&str], messages: &[&str], keys: &[&str]| {
         json!({
             "id": id, "permission": "allow", "flows": flows, "messages": messages, "key_exprs": keys,
@@ -330,7 +325,7 @@ fn read_only(upstream: &str) -> Value {
             rule("asks", &["ingress"], &["query"], &asked),
         ],
         "subjects": [
-            { "id": "upstream", "zids": [upstream] },
+            upstream,
             { "id": "anyone" },
         ],
         "policies": [

@@ -18,6 +18,7 @@ mod announce;
 mod config;
 mod connection;
 pub mod device;
+pub mod links;
 mod newest;
 mod ping;
 mod publish;
@@ -27,7 +28,7 @@ mod tool;
 mod watch;
 
 pub use config::{
-    Named, add_identity, check_built_in, check_protocol, identity, is_secured, named, read_config,
+    Named, add_identity, check_private, check_protocol, configuration, identity, is_secured, named,
 };
 pub use connection::{ClientError, Connect, Latest, Palpate};
 pub use newest::NewestForce;
