@@ -334,3 +334,49 @@ fn read_only(upstream: Value) -> Value {
         ],
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    // An id is what a session says of itself: while the daemon is away, anyone could take its place.
+    #[test]
+    fn the_session_that_may_write_is_known_by_its_link_too() {
+        let subject = |from: &str, identity: Option<&str>| {
+            let settings = RelaySettings {
+                from: from.into(),
+                listen: Vec::new(),
+                net_hz: None,
+                read_only: true,
+                insecure: true,
+                identity: identity.map(PathBuf::from),
+                config: None,
+            };
+            let rules = settings.rules("ab");
+            let (_, access) = rules
+                .iter()
+                .find(|(key, _)| *key == "access_control")
+                .unwrap();
+            access["subjects"][0].clone()
+        };
+        let known = |key: &str, value: &str| {
+            let mut known = json!({ "id": "upstream", "zids": ["ab"] });
+            known[key] = json!([value]);
+            known
+        };
+        let loopback = known("interfaces", LOOPBACK_INTERFACE);
+        assert_eq!(subject("tcp/127.0.0.1:7447", None), loopback);
+        let socket = known("link_protocols", "unixsock-stream");
+        assert_eq!(subject("unixsock-stream//tmp/bus", None), socket);
+        let daemon = known("cert_common_names", "daemon");
+        assert_eq!(
+            subject("tls/lab.example:7447", Some("keys/relay.json5")),
+            daemon
+        );
+        // Nothing is known of whoever is there.
+        assert_eq!(
+            subject("tcp/10.0.0.2:7447", None),
+            json!({ "id": "upstream", "zids": ["ab"] })
+        );
+    }
+}
