@@ -9,6 +9,7 @@
 
 use crate::transport::{ROUTER_PATIENCE, bound};
 use palpate_client::is_secured;
+use palpate_client::links::{self, Exposed, LOOPBACK_INTERFACE, OpenError, Opening};
 use palpate_proto::messages::{ControlNet, Message};
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -29,7 +30,7 @@ pub struct RelaySettings {
     pub net_hz: Option<f64>,
     /// Those who connect here can look and ask, not move tools, command or say anything.
     pub read_only: bool,
-    /// It may listen to a network without TLS.
+    /// Its links may leave this machine unguarded.
     pub insecure: bool,
     /// Identity file for TLS, as `palpate auth` makes them for daemons.
     pub identity: Option<PathBuf>,
@@ -43,17 +44,13 @@ pub enum RelayError {
     /// A figure that cannot be.
     #[error("--net-hz is {0}; above 0 and at most 1000")]
     Rate(f64),
-    /// Others than this machine would reach it, and read what goes through.
-    #[error(
-        "{0} is open to the network without TLS; listen on 127.0.0.1, on a Unix socket or with tls/, or say --insecure"
-    )]
-    Open(String),
-    /// Whoever has a certificate could do everything through it.
-    #[error(
-        "{0} is open to everybody with a certificate, whatever its role: say what roles may do with --zenoh-config and \
-         the output of `palpate auth rules SCENE`, or --read-only, or --insecure"
-    )]
-    NoRules(String),
+    /// Others than this machine could be at the other end of a link, unguarded.
+    #[error("{error}{}", advice(.error))]
+    Exposed {
+        /// Which.
+        #[from]
+        error: Exposed,
+    },
     /// The identity file.
     #[error("{0}")]
     Identity(String),
@@ -107,13 +104,8 @@ impl Relay {
         {
             return Err(RelayError::Rate(hz));
         }
-        let open = (settings.listen.iter()).find(|endpoint| !stays_here(endpoint));
-        if let (Some(open), false) = (open, settings.insecure) {
-            return Err(RelayError::Open(open.clone()));
-        }
-        if let (Some(open), false) = (settings.without_rules()?, settings.insecure) {
-            return Err(RelayError::NoRules(open));
-        }
+        // Before anybody is asked anything; whose id the rules name does not matter yet.
+        links::check(&settings.router("1")?, settings.insecure)?;
         let upstream = settings.upstream()?;
         let session = settings.session(&upstream)?;
         Ok(Self {
@@ -174,53 +166,35 @@ impl Relay {
     }
 }
 
-/// Only this machine reaches an endpoint, or those who have a certificate for it.
-pub(crate) fn stays_here(endpoint: &str) -> bool {
-    let Some((protocol, address)) = endpoint.split_once('/') else {
-        return false;
-    };
-    let host = address.rsplit_once(':').map_or(address, |(host, _)| host);
-    let number = host.trim_matches(['[', ']']).parse::<std::net::IpAddr>();
-    let loopback = host == "localhost" || number.is_ok_and(|number| number.is_loopback());
-    loopback || protocol == "unixsock-stream" || is_secured(endpoint)
+/// What else lets those behind a relay in.
+fn advice(error: &Exposed) -> &'static str {
+    match error.openings.iter().any(Opening::lacks_rules) {
+        true => "; --read-only is a set of rules, too",
+        false => "",
+    }
+}
+
+impl From<OpenError> for RelayError {
+    fn from(error: OpenError) -> Self {
+        match error {
+            OpenError::Exposed(exposed) => exposed.into(),
+            OpenError::Zenoh(words) => Self::Zenoh(words),
+        }
+    }
 }
 
 impl RelaySettings {
-    /// An endpoint that certificates lead into, and behind which nothing asks for their roles.
-    fn without_rules(&self) -> Result<Option<String>, RelayError> {
-        let encrypted = |endpoint: &&String| is_secured(endpoint);
-        let config = self.config("router")?;
-        let has_rules = (config.get_json("access_control/enabled")).is_ok_and(|is| is == "true");
-        let mut encrypted = self.listen.iter().filter(encrypted);
-        Ok(match has_rules || self.read_only {
-            true => None,
-            false => encrypted.next().cloned(),
-        })
-    }
-
     fn config(&self, mode: &str) -> Result<zenoh::Config, RelayError> {
-        let mut config = self.plain_config(mode)?;
+        let path = self.config.as_deref();
+        let mut config =
+            palpate_client::configuration(path, mode).map_err(|reason| RelayError::Config {
+                path: self.config.clone().unwrap_or_default(),
+                reason,
+            })?;
         if let Some(identity) = &self.identity {
             palpate_client::add_identity(&mut config, identity).map_err(RelayError::Identity)?;
         }
         Ok(config)
-    }
-
-    fn plain_config(&self, mode: &str) -> Result<zenoh::Config, RelayError> {
-        match &self.config {
-            None => {
-                let mut config = zenoh::Config::default();
-                set(&mut config, "mode", &json!(mode))?;
-                set(&mut config, "scouting/multicast/enabled", &json!(false))?;
-                Ok(config)
-            }
-            Some(path) => palpate_client::read_config(path, mode)
-                .map(|(config, _)| config)
-                .map_err(|reason| RelayError::Config {
-                    path: path.clone(),
-                    reason,
-                }),
-        }
     }
 
     /// Asks who is at `from`.
@@ -234,9 +208,11 @@ impl RelaySettings {
         set(&mut config, "connect/endpoints", &json!([self.from]))?;
         let patience_ms = REACH.as_millis() as u64;
         set(&mut config, "connect/timeout_ms", &json!(patience_ms))?;
-        let session = zenoh::open(config)
-            .wait()
-            .map_err(|error| unreachable(error.to_string()))?;
+        let session = match links::open(config, self.insecure) {
+            Ok((session, _)) => session,
+            Err(OpenError::Zenoh(words)) => return Err(unreachable(words)),
+            Err(exposed) => return Err(exposed.into()),
+        };
         let info = session.info();
         let routers = info.routers_zid().wait();
         let upstream = routers.chain(info.peers_zid().wait()).next();
@@ -247,6 +223,11 @@ impl RelaySettings {
     }
 
     fn session(&self, upstream: &str) -> Result<zenoh::Session, RelayError> {
+        let (session, _) = links::open(self.router(upstream)?, self.insecure)?;
+        Ok(session)
+    }
+
+    fn router(&self, upstream: &str) -> Result<zenoh::Config, RelayError> {
         let mut config = self.config("router")?;
         set(&mut config, "connect/endpoints", &json!([self.from]))?;
         set(&mut config, "listen/endpoints", &json!(self.listen))?;
@@ -259,9 +240,7 @@ impl RelaySettings {
             set(&mut config, key, &value)?;
         }
         bound(&mut config, ROUTER_PATIENCE).map_err(RelayError::Zenoh)?;
-        zenoh::open(config)
-            .wait()
-            .map_err(|error| RelayError::Zenoh(error.to_string()))
+        Ok(config)
     }
 
     /// What Zenoh is told to do with messages: key of its configuration, and value.
@@ -277,9 +256,25 @@ impl RelaySettings {
             rules.push(("downsampling", thinned));
         }
         if self.read_only {
-            rules.push(("access_control", read_only(upstream)));
+            rules.push(("access_control", read_only(self.far_end(upstream))));
         }
         rules
+    }
+
+    /// The session at `from`, as a subject of rules. Anybody can call himself by its id, so the link must be its
+    /// own too.
+    fn far_end(&self, id: &str) -> Value {
+        let mut subject = json!({ "id": "upstream", "zids": [id] });
+        let (key, value) = match self.from.split_once('/') {
+            Some(("unixsock-stream", _)) => ("link_protocols", "unixsock-stream"),
+            Some(("tcp", _)) if links::is_here(&self.from) => ("interfaces", LOOPBACK_INTERFACE),
+            Some(_) if is_secured(&self.from) && self.identity.is_some() => {
+                ("cert_common_names", "daemon")
+            }
+            _ => return subject,
+        };
+        subject[key] = json!([value]);
+        subject
     }
 }
 
@@ -290,7 +285,7 @@ fn set(config: &mut zenoh::Config, key: &str, value: &Value) -> Result<(), Relay
 }
 
 /// Everything with the session at `from`; with all others only what watching needs.
-fn read_only(upstream: &str) -> Value {
+fn read_only(upstream: Value) -> Value {
     let rule = |id: &str, flows: &[&str], messages: &[&str], keys: &[&str]| {
         json!({
             "id": id, "permission": "allow", "flows": flows, "messages": messages, "key_exprs": keys,
@@ -332,7 +327,7 @@ fn read_only(upstream: &str) -> Value {
             rule("asks", &["ingress"], &["query"], &asked),
         ],
         "subjects": [
-            { "id": "upstream", "zids": [upstream] },
+            upstream,
             { "id": "anyone" },
         ],
         "policies": [
@@ -340,4 +335,50 @@ fn read_only(upstream: &str) -> Value {
             { "rules": ["gets", "looks", "asks"], "subjects": ["anyone"] },
         ],
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    // An id is what a session says of itself: while the daemon is away, anyone could take its place.
+    #[test]
+    fn the_session_that_may_write_is_known_by_its_link_too() {
+        let subject = |from: &str, identity: Option<&str>| {
+            let settings = RelaySettings {
+                from: from.into(),
+                listen: Vec::new(),
+                net_hz: None,
+                read_only: true,
+                insecure: true,
+                identity: identity.map(PathBuf::from),
+                config: None,
+            };
+            let rules = settings.rules("ab");
+            let (_, access) = rules
+                .iter()
+                .find(|(key, _)| *key == "access_control")
+                .unwrap();
+            access["subjects"][0].clone()
+        };
+        let known = |key: &str, value: &str| {
+            let mut known = json!({ "id": "upstream", "zids": ["ab"] });
+            known[key] = json!([value]);
+            known
+        };
+        let loopback = known("interfaces", LOOPBACK_INTERFACE);
+        assert_eq!(subject("tcp/127.0.0.1:7447", None), loopback);
+        let socket = known("link_protocols", "unixsock-stream");
+        assert_eq!(subject("unixsock-stream//tmp/bus", None), socket);
+        let daemon = known("cert_common_names", "daemon");
+        assert_eq!(
+            subject("tls/lab.example:7447", Some("keys/relay.json5")),
+            daemon
+        );
+        // Nothing is known of whoever is there.
+        assert_eq!(
+            subject("tcp/10.0.0.2:7447", None),
+            json!({ "id": "upstream", "zids": ["ab"] })
+        );
+    }
 }

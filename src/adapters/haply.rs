@@ -1,5 +1,6 @@
 //! A Haply device behind its Inverse Service.
 
+use palpate_client::links;
 use palpate_devices::haply::{HaplyError, force_message, read_state};
 use palpate_devices::{Command, DeviceEnd, Reading};
 use std::net::{TcpStream, ToSocketAddrs};
@@ -21,6 +22,11 @@ pub enum HaplyLinkError {
     /// Not an address.
     #[error("{0:?} is no address of an Inverse Service; write one like {DEFAULT_URI}")]
     Uri(String),
+    /// Whoever answers there would move the hand and the tool.
+    #[error(
+        "{0} is another machine, and a WebSocket does not say who answers there: reach it through `ssh -L`, or say --insecure"
+    )]
+    Exposed(String),
     /// Nobody answers.
     #[error("no Inverse Service answers at {uri}: {reason}; is it running? see --uri")]
     Unreachable {
@@ -56,11 +62,15 @@ pub struct HaplyEnd {
 }
 
 impl HaplyEnd {
-    /// Connects and takes a device: the only one, unless `device_id` names it.
+    /// Connects and takes a device: the only one, unless `device_id` names it. `insecure`: on another machine too.
     ///
     /// # Errors
-    /// No service there, or no such device.
-    pub fn connect(uri: &str, device_id: Option<&str>) -> Result<Self, HaplyLinkError> {
+    /// No service there, or no such device; a service on another machine.
+    pub fn connect(
+        uri: &str,
+        device_id: Option<&str>,
+        insecure: bool,
+    ) -> Result<Self, HaplyLinkError> {
         let unreachable = |reason: String| HaplyLinkError::Unreachable {
             uri: uri.to_owned(),
             reason,
@@ -74,6 +84,9 @@ impl HaplyEnd {
             Some((_, port)) if port.parse::<u16>().is_ok() => host.to_owned(),
             _ => format!("{host}:10001"),
         };
+        if !insecure && !links::is_own_address(&with_port) {
+            return Err(HaplyLinkError::Exposed(uri.to_owned()));
+        }
         let addresses = with_port
             .to_socket_addrs()
             .map_err(|error| unreachable(error.to_string()))?;

@@ -72,8 +72,9 @@ impl Authority {
     /// The authority of a directory.
     ///
     /// # Errors
-    /// None is there, or its files do not parse.
+    /// None is there, its files do not parse, or others can read its key.
     pub fn open(directory: &Path) -> Result<Self, AuthError> {
+        palpate_client::check_private(&directory.join("ca.key")).map_err(AuthError::Readable)?;
         let read = |name: &str| {
             let path = directory.join(name);
             std::fs::read_to_string(&path).map_err(|source| match source.kind() {

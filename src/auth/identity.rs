@@ -69,7 +69,7 @@ impl Identity {
             hosts,
             from: validity.not_before.to_datetime(),
             until: validity.not_after.to_datetime(),
-            readable_by_others: readable_by_others(path),
+            readable_by_others: palpate_client::check_private(path).is_err(),
             common_name,
         })
     }
@@ -77,8 +77,9 @@ impl Identity {
     /// Reads an identity that is going to be used now.
     ///
     /// # Errors
-    /// As of [`Identity::read`]; it has expired, or is not valid yet.
+    /// As of [`Identity::read`]; others can read its key; it has expired, or is not valid yet.
     pub fn usable(path: &Path) -> Result<Self, AuthError> {
+        palpate_client::check_private(path).map_err(AuthError::Readable)?;
         let identity = Self::read(path)?;
         let now = OffsetDateTime::now_utc();
         let reason = match identity.is_valid_at(now) {
@@ -112,15 +113,4 @@ fn host(name: &GeneralName<'_>) -> Option<String> {
         }
         _ => None,
     }
-}
-
-#[cfg(unix)]
-fn readable_by_others(path: &Path) -> bool {
-    use std::os::unix::fs::PermissionsExt as _;
-    std::fs::metadata(path).is_ok_and(|data| data.permissions().mode() & 0o077 != 0)
-}
-
-#[cfg(not(unix))]
-fn readable_by_others(_: &Path) -> bool {
-    false
 }

@@ -33,6 +33,9 @@ pub enum AuthError {
     /// A file is in the way: keys are never overwritten.
     #[error("{0} exists already; nothing is overwritten: name another directory, or move it away")]
     Exists(PathBuf),
+    /// Others have the key too.
+    #[error("{0}")]
+    Readable(String),
     /// No authority is there.
     #[error("{0} has no ca.pem and ca.key; `palpate auth init {0}` makes them")]
     NoAuthority(PathBuf),

@@ -2,6 +2,7 @@
 //! denied, and so is every certificate without a role.
 
 use super::{AuthError, Role};
+use palpate_client::links::LOOPBACK_INTERFACE;
 use palpate_proto::keys::{INFO_EVERYWHERE, Keys, LIVE_EVERYWHERE};
 use serde_json::{Value, json};
 
@@ -110,14 +111,15 @@ pub fn grants(role: &Role, instance: &str) -> Result<Vec<Grant>, AuthError> {
 }
 
 /// The section `access_control` of a Zenoh configuration for a daemon, or a router before it.
-/// Connections without TLS have no certificate: they are the machine's own (loopback, Unix sockets)
-/// unless the daemon was started with `--insecure`, and may do everything.
+/// Links without TLS show no certificate. Those over the loopback interface and Unix sockets are the machine's own and
+/// may do everything; with `insecure` all others may too.
 ///
 /// # Errors
 /// The instance name or a tool's id cannot be one.
 pub fn rules<'a>(
     instance: &str,
     tools: impl IntoIterator<Item = &'a str>,
+    insecure: bool,
 ) -> Result<Value, AuthError> {
     let mut roles = vec![Role::Daemon, Role::Operator, Role::Viewer];
     for tool in tools {
@@ -141,8 +143,16 @@ pub fn rules<'a>(
         subjects.push(json!({ "id": name, "cert_common_names": [name] }));
         policies.push(json!({ "rules": own, "subjects": [name] }));
     }
-    subjects.push(json!({ "id": "this machine", "link_protocols": ["tcp", "unixsock-stream"] }));
-    policies.push(json!({ "rules": ["operator 0", "operator 1"], "subjects": ["this machine"] }));
+    let mut plain = vec![
+        json!({ "id": "this machine", "link_protocols": ["tcp"], "interfaces": [LOOPBACK_INTERFACE] }),
+        json!({ "id": "Unix sockets", "link_protocols": ["unixsock-stream"] }),
+    ];
+    if insecure {
+        plain.push(json!({ "id": "everybody", "link_protocols": ["tcp"] }));
+    }
+    let ids: Vec<Value> = plain.iter().map(|subject| subject["id"].clone()).collect();
+    policies.push(json!({ "rules": ["operator 0", "operator 1"], "subjects": ids }));
+    subjects.append(&mut plain);
     Ok(json!({
         "enabled": true, "default_permission": "deny",
         "rules": rules, "subjects": subjects, "policies": policies,
@@ -156,7 +166,7 @@ mod tests {
     // Zenoh parses them, and no grant of a role that reads lets anything of its own in.
     #[test]
     fn the_rules_are_a_configuration_and_readers_publish_nothing() {
-        let rules = rules("default", ["ball", "pen"]).unwrap();
+        let rules = rules("default", ["ball", "pen"], false).unwrap();
         let mut config = zenoh::Config::default();
         config
             .insert_json5("access_control", &rules.to_string())
@@ -185,6 +195,27 @@ mod tests {
                 "palpate/default/tool/ball/device"
             ]
         );
-        assert!(super::rules("de fault", []).is_err());
+        assert!(super::rules("de fault", [], false).is_err());
+    }
+
+    // A link that the daemon dials over plain TCP arrives at a network interface, wherever it leads.
+    #[test]
+    fn without_a_certificate_only_loopback_and_unix_sockets_are_this_machine() {
+        let plain = |insecure| {
+            let rules = super::rules("default", [], insecure).unwrap();
+            let subjects = rules["subjects"].as_array().unwrap().clone();
+            subjects
+                .into_iter()
+                .filter(|subject| subject["cert_common_names"].is_null())
+                .map(|subject| {
+                    let loopback = subject["interfaces"] == json!([LOOPBACK_INTERFACE]);
+                    (subject["link_protocols"].clone(), loopback)
+                })
+                .collect::<Vec<_>>()
+        };
+        let own = vec![(json!(["tcp"]), true), (json!(["unixsock-stream"]), false)];
+        assert_eq!(plain(false), own);
+        let all = [own, vec![(json!(["tcp"]), false)]].concat();
+        assert_eq!(plain(true), all);
     }
 }

@@ -1,7 +1,7 @@
 //! Who may reach a daemon: what `serve`, `demo` and `play` share.
 
 use crate::auth;
-use crate::transport::Access;
+use crate::transport::{Access, Open};
 use palpate_sim::scene::Scene;
 use std::path::PathBuf;
 
@@ -12,7 +12,7 @@ pub struct AccessArgs {
     /// what its role allows (see `palpate auth`).
     #[arg(long, value_name = "FILE")]
     pub identity: Option<PathBuf>,
-    /// Also listen where everybody on the network can move tools and give commands.
+    /// Also listen, and connect, where everybody on the network can move tools and give commands.
     #[arg(long)]
     pub insecure: bool,
 }
@@ -28,7 +28,7 @@ impl AccessArgs {
             None => None,
             Some(identity) => {
                 auth::Identity::usable(identity)?;
-                Some(auth::rules(instance, tools)?)
+                Some(auth::rules(instance, tools, self.insecure)?)
             }
         };
         Ok(Access {
@@ -39,13 +39,26 @@ impl AccessArgs {
     }
 }
 
-/// Says what is open to everybody.
-pub fn warn(open: &[String]) {
-    if !open.is_empty() {
-        let open = open.join(", ");
+/// Says where others may come in, and lists it.
+pub fn told(open: Open) -> Vec<String> {
+    let Open {
+        mut everybody,
+        others,
+    } = open;
+    if !everybody.is_empty() {
+        let open = everybody.join(", ");
         tracing::warn!(
             open,
             "everybody on the network can move tools and give commands (--insecure)"
         );
     }
+    if !others.is_empty() {
+        let connect = others.join(", ");
+        tracing::info!(
+            connect,
+            "whoever is let in there can move tools and give commands"
+        );
+    }
+    everybody.extend(others.iter().map(|at| format!("{at} (whoever it lets in)")));
+    everybody
 }

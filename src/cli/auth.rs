@@ -96,7 +96,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         Args::Rules(args) => {
             let loaded = scenes::load(&args.scene)?;
             let tools = loaded.spec.tools.iter().map(|tool| tool.id.as_str());
-            let rules = rules(&args.instance, tools)?;
+            let rules = rules(&args.instance, tools, false)?;
             println!("{:#}", serde_json::json!({ "access_control": rules }));
             Ok(Outcome::Ok)
         }
@@ -214,7 +214,7 @@ fn print(file: &Path, identity: &Identity, instance: &str) -> anyhow::Result<boo
     );
     if identity.readable_by_others {
         println!(
-            "  WARNING: others on this machine can read it; chmod 600 {}",
+            "  WARNING: others on this machine can read it, and it is refused; chmod 600 {}",
             file.display()
         );
     }

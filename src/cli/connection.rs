@@ -1,7 +1,9 @@
 //! How commands that talk to a daemon find it.
 
 use crate::auth::Identity;
-use crate::transport::{DEFAULT_ENDPOINT, DEFAULT_SECURE_ENDPOINT};
+use crate::transport::{
+    self, Access, DEFAULT_ENDPOINT, DEFAULT_SECURE_ENDPOINT, Role, SessionSettings,
+};
 use palpate_client::{ClientError, Connect, Palpate};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -11,16 +13,19 @@ pub struct Connection {
     /// Endpoint of the daemon; can be repeated [default: tcp/127.0.0.1:7447, with --identity
     /// tls/127.0.0.1:7447].
     #[arg(short = 'e', long)]
-    connect: Vec<String>,
+    pub connect: Vec<String>,
     /// Instance name.
     #[arg(long, default_value = "default")]
-    instance: String,
+    pub instance: String,
     /// Zenoh configuration file (JSON5).
     #[arg(long)]
-    zenoh_config: Option<PathBuf>,
+    pub zenoh_config: Option<PathBuf>,
     /// Identity file for endpoints with TLS (see `palpate auth issue`).
     #[arg(long, value_name = "FILE")]
-    identity: Option<PathBuf>,
+    pub identity: Option<PathBuf>,
+    /// Also connect to other machines without TLS, where nobody knows who answers.
+    #[arg(long)]
+    pub insecure: bool,
 }
 
 /// How long to wait for replies.
@@ -50,8 +55,22 @@ impl Connection {
         self.connect(true)
     }
 
-    /// Endpoints, for sessions of other protocols.
-    pub fn endpoints(&self) -> Vec<String> {
+    /// A session without our client, for other protocols.
+    pub fn session(&self) -> anyhow::Result<zenoh::Session> {
+        Ok(transport::open(&SessionSettings {
+            connect: self.endpoints(),
+            config: self.zenoh_config.clone(),
+            role: Role::Client,
+            access: Access {
+                identity: self.usable_identity()?,
+                insecure: self.insecure,
+                ..Access::default()
+            },
+            ..SessionSettings::default()
+        })?)
+    }
+
+    fn endpoints(&self) -> Vec<String> {
         match (&self.identity, self.connect.is_empty()) {
             (_, false) => self.connect.clone(),
             (None, true) => vec![DEFAULT_ENDPOINT.to_owned()],
@@ -59,9 +78,11 @@ impl Connection {
         }
     }
 
-    /// Identity file, for sessions of other protocols.
-    pub fn identity(&self) -> Option<PathBuf> {
-        self.identity.clone()
+    fn usable_identity(&self) -> anyhow::Result<Option<PathBuf>> {
+        self.identity
+            .iter()
+            .try_for_each(|path| Identity::usable(path).map(drop))?;
+        Ok(self.identity.clone())
     }
 
     fn connect(&self, onlooker: bool) -> anyhow::Result<Palpate> {
@@ -69,16 +90,14 @@ impl Connection {
     }
 
     fn settings(&self, onlooker: bool) -> anyhow::Result<Connect> {
-        if let Some(identity) = &self.identity {
-            Identity::usable(identity)?;
-        }
         Ok(Connect {
             endpoints: self.endpoints(),
             instance: self.instance.clone(),
             zenoh_config: self.zenoh_config.clone(),
-            identity: self.identity.clone(),
+            identity: self.usable_identity()?,
             timeout: PATIENCE,
             onlooker,
+            insecure: self.insecure,
         })
     }
 }

@@ -1,5 +1,6 @@
 //! `palpate doctor`: what this machine allows, and what rate it can hold.
 
+use super::connection::Connection;
 use super::{Outcome, text};
 use anyhow::Context as _;
 use palpate_sim::scene::file;
@@ -21,6 +22,12 @@ pub struct Args {
     /// Instance name, with --connect.
     #[arg(long, default_value = "default", requires = "connect")]
     instance: String,
+    /// Identity file for an endpoint with TLS, with --connect.
+    #[arg(long, value_name = "FILE", requires = "connect")]
+    identity: Option<PathBuf>,
+    /// Also connect to another machine without TLS.
+    #[arg(long, requires = "connect")]
+    insecure: bool,
     /// How long to measure the timer.
     #[arg(long = "for", value_parser = text::duration, default_value = "2s")]
     duration: Duration,
@@ -53,7 +60,14 @@ struct DoctorReport {
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     if let Some(endpoint) = &args.connect {
-        let held = devices::ask(endpoint, &args.instance)?;
+        let connection = Connection {
+            connect: vec![endpoint.clone()],
+            instance: args.instance.clone(),
+            zenoh_config: None,
+            identity: args.identity.clone(),
+            insecure: args.insecure,
+        };
+        let held = devices::ask(&connection)?;
         if args.json {
             println!("{}", serde_json::json!({ "devices": held }));
         } else if held.is_empty() {

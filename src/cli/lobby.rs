@@ -1,6 +1,7 @@
 //! `palpate lobby`: who asks for a scene gets a daemon of its own.
 
 use super::{Outcome, text};
+use crate::auth::Identity;
 use crate::fleet::{Lobby, LobbySettings};
 use std::io::Write as _;
 use std::net::SocketAddr;
@@ -61,6 +62,10 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         };
         format!("{protocol}/127.0.0.1:0")
     });
+    // Better now than by each daemon.
+    if let Some(identity) = &args.identity {
+        Identity::usable(identity)?;
+    }
     let lobby = Lobby::open(LobbySettings {
         http: args.http,
         http_hosts: args.http_host.clone(),

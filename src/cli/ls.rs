@@ -27,7 +27,7 @@ struct Instance {
     scene: String,
     rate_hz: f64,
     played: bool,
-    /// Where everybody on the network may move tools and give commands.
+    /// Where others than this machine and holders of identities may come in.
     open: Vec<String>,
     tools: Vec<ListedTool>,
     bodies: Vec<String>,
@@ -172,7 +172,7 @@ impl Instance {
         );
         if !self.open.is_empty() {
             println!(
-                "  OPEN to everybody on the network: {}",
+                "  OPEN to others, who can move tools and give commands: {}",
                 self.open.join(", ")
             );
         }

@@ -1,8 +1,9 @@
 //! Serving the page: what `serve`, `demo` and `play` share.
 
 use crate::adapters::rosbridge;
-use crate::transport::{ViewSink, is_loopback};
+use crate::transport::ViewSink;
 use crate::viewer::{Viewer, ViewerSettings};
+use palpate_client::links::is_loopback;
 use palpate_sim::scene::Scene;
 use std::net::SocketAddr;
 use std::process::Stdio;

@@ -6,7 +6,7 @@ use crate::drive::playback::{PlayRequest, playback};
 use crate::drive::ports::ports;
 use crate::recording::{PlayReport, PlaySettings, Player, Session, played_scene};
 use crate::transport::{
-    Bus, BusSettings, Role, SessionSettings, default_listen, open_guarded, patience,
+    Bus, BusSettings, Role, SessionSettings, default_listen, open_told, patience,
 };
 use crate::viewer::Viewer;
 use sha2::Digest as _;
@@ -99,7 +99,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         let own = args.zenoh_config.as_deref();
         let listen = default_listen(own, &args.listen, &[], args.access.identity.is_some())?;
         let config = args.zenoh_config.clone();
-        let (bus_session, mut everybody) = open_guarded(&SessionSettings {
+        let (bus_session, mut open) = open_told(&SessionSettings {
             connect: args.connect.clone(),
             listen,
             config,
@@ -107,17 +107,18 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             access: args.access.of(&args.instance, &scene)?,
             patience: Some(patience(&scene)),
         })?;
-        everybody.extend(args.page.everybody(args.access.insecure)?);
-        super::access::warn(&everybody);
+        open.everybody
+            .extend(args.page.everybody(args.access.insecure)?);
+        let open = super::access::told(open);
         let (mut viewer, feed) = args
             .page
-            .start(&args.instance, &scene, &bus_session, true, &everybody)?
+            .start(&args.instance, &scene, &bus_session, true, &open)?
             .unzip();
         let settings = BusSettings {
             scene: scene.clone(),
             scene_hash,
             instance: args.instance.clone(),
-            open: everybody,
+            open,
             viewer: feed,
             viewer_url: viewer.as_ref().and_then(Viewer::url),
             recorder: None,

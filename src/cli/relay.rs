@@ -26,7 +26,7 @@ pub struct Args {
     /// Let nobody behind it move tools, send commands or publish anything.
     #[arg(long)]
     read_only: bool,
-    /// Listen to a network although it is not encrypted: anyone there reads what goes through, and
+    /// Also listen and connect without TLS to other machines: anyone there reads what goes through, and
     /// without --read-only moves tools. With TLS: everybody with a certificate, whatever its role.
     #[arg(long)]
     insecure: bool,

@@ -20,7 +20,7 @@ use crate::recording::{
 };
 use crate::transport::{
     AdapterCounts, Bus, BusSettings, Health, Role, SessionSettings, daemon_of, default_listen,
-    is_taken, open_guarded, patience,
+    is_taken, open_told, patience,
 };
 use crate::viewer::Viewer;
 use anyhow::Context as _;
@@ -210,7 +210,7 @@ fn run_scene(args: &Args, begun: &mut bool) -> anyhow::Result<Outcome> {
     common.agones = args.agones.then(fleet::agones_port).transpose()?;
     let served = serve(&loaded, &common, |page| {
         *begun = true;
-        let line = ready::line(&common, configuration(&loaded, &common).as_deref(), page)?;
+        let line = ready::line(&common, page)?;
         if args.json {
             println!("{line}");
             let _ = std::io::stdout().flush();
@@ -259,13 +259,13 @@ pub fn serve(
         .ros2
         .then(|| Plan::of(&effective).map_err(|error| loaded.locate(error)))
         .transpose()?;
-    let config = configuration(loaded, common);
+    let config = common.zenoh_config.clone();
     // Who connects to a router leaves the default port, which is the router's own, alone.
     let secure = common.access.identity.is_some();
     let listen = default_listen(config.as_deref(), &common.listen, &common.connect, secure)?;
     let (connect, listen) = meet(common, listen);
     let may_meet_others = !connect.is_empty() || config.is_some();
-    let (session, mut everybody) = open_guarded(&SessionSettings {
+    let (session, mut open) = open_told(&SessionSettings {
         connect,
         listen: listen.clone(),
         config,
@@ -276,8 +276,9 @@ pub fn serve(
         access: common.access.of(&common.instance, &scene)?,
         patience: Some(patience(&scene)),
     })?;
-    everybody.extend(common.page.everybody(common.access.insecure)?);
-    super::access::warn(&everybody);
+    open.everybody
+        .extend(common.page.everybody(common.access.insecure)?);
+    let open = super::access::told(open);
     if may_meet_others {
         let keys = Keys::new(&common.instance)?;
         if let Some(other) = daemon_of(&session, &keys, LOOK_FOR_OTHERS)? {
@@ -292,7 +293,7 @@ pub fn serve(
     let health = common.agones.map(|_| Arc::<Health>::default());
     let (mut viewer, feed) = common
         .page
-        .start(&common.instance, &scene, &session, false, &everybody)?
+        .start(&common.instance, &scene, &session, false, &open)?
         .unzip();
     // After all that may be refused: a file that was begun would be in the way of the next start.
     let (mut recorder, journal) = Recorder::start(
@@ -327,7 +328,7 @@ pub fn serve(
             scene: scene.clone(),
             scene_hash: loaded.sha256,
             instance: common.instance.clone(),
-            open: everybody,
+            open,
             viewer: feed,
             recorder: Some(recorder.gauges()),
             archive: recorder.archive(),
@@ -411,13 +412,6 @@ pub fn serve(
         recording,
         self_check,
     })
-}
-
-/// The Zenoh configuration file, if there is one.
-fn configuration(loaded: &file::Loaded, common: &Common) -> Option<PathBuf> {
-    let of_scene = loaded.spec.zenoh.config.as_ref();
-    let of_scene = of_scene.map(|path| loaded.directory.join(path));
-    common.zenoh_config.clone().or(of_scene)
 }
 
 /// How long a daemon that connects to others looks for one of its own name.

@@ -3,10 +3,9 @@
 use super::keeper::Keeper;
 use super::routes;
 use super::shelf::Shelf;
-use crate::relay::stays_here;
-use crate::transport::is_loopback;
 use crate::viewer::{Hosts, Server};
 use palpate_client::is_secured;
+use palpate_client::links::{is_here, is_loopback};
 use std::ffi::OsString;
 use std::net::{SocketAddr, TcpListener};
 use std::path::{Path, PathBuf};
@@ -142,7 +141,7 @@ impl LobbySettings {
         if !has_ports || !self.listen.ends_with(":0") {
             return Err(LobbyError::Port(listen()));
         }
-        if !stays_here(&self.listen) && !self.insecure {
+        if !is_here(&self.listen) && !is_secured(&self.listen) && !self.insecure {
             return Err(LobbyError::OpenDaemons(listen()));
         }
         Ok(())

@@ -54,7 +54,7 @@ pub struct BusSettings {
     pub scene_hash: [u8; 32],
     /// Instance name.
     pub instance: String,
-    /// Endpoints and pages where everybody on the network may do everything.
+    /// Where others than this machine and holders of identities may come in and do everything.
     pub open: Vec<String>,
     /// Viewer, if any.
     pub viewer: Option<Box<dyn ViewSink>>,

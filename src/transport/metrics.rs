@@ -41,7 +41,7 @@ impl AdapterCounts {
 pub struct LoopMetrics {
     /// Instance name.
     pub instance: String,
-    /// Endpoints and pages where everybody on the network may do everything.
+    /// Where others than this machine and holders of identities may come in and do everything.
     pub open: u64,
     /// Scene name.
     pub scene: String,
@@ -146,7 +146,7 @@ impl Collector for LoopMetrics {
             ("scene", scene.as_str()),
         ];
         one(e, "build", "What runs here", None, &Info::new(words))?;
-        let help = "Endpoints where everybody on the network may move tools and give commands";
+        let help = "Endpoints where others than this machine and holders of identities may come in";
         one(e, "open_endpoints", help, None, &gauge(self.open))?;
         one(e, "loop_ticks", "Ticks run", None, &count(status.tick))?;
         one(

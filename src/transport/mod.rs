@@ -15,7 +15,6 @@ mod desk;
 mod devices;
 mod edit;
 mod events;
-mod exposure;
 mod forces;
 mod health;
 mod history;
@@ -37,13 +36,12 @@ pub(crate) use budget::bound;
 pub use budget::{patience, threads_for_many_clients};
 pub use bus::{Bus, BusReport, BusSettings};
 pub use clients::ClientCounts;
-pub use exposure::is_loopback;
 pub use health::Health;
 pub use metrics::{AdapterCount, AdapterCounts, LoopMetrics};
 pub use rate::{RateNews, RateWatch};
 pub(crate) use rpc::loop_command;
 pub use session::{
-    Access, DEFAULT_ENDPOINT, DEFAULT_SECURE_ENDPOINT, Role, SessionError, SessionSettings,
-    daemon_of, default_listen, is_taken, open, open_guarded,
+    Access, DEFAULT_ENDPOINT, DEFAULT_SECURE_ENDPOINT, Open, Role, SessionError, SessionSettings,
+    daemon_of, default_listen, is_taken, open, open_told,
 };
 pub use view::ViewSink;

@@ -1,8 +1,8 @@
 //! Opening a Zenoh session: peer mode on a fixed loopback endpoint, no multicast needed.
 
 use super::budget;
-use super::exposure::open_endpoints;
 use palpate_client::is_secured;
+use palpate_client::links::{self, Exposed, OpenError};
 use palpate_proto::keys::Keys;
 use std::net::{TcpListener, TcpStream, ToSocketAddrs, UdpSocket};
 use std::path::{Path, PathBuf};
@@ -40,7 +40,7 @@ pub struct Access {
     pub identity: Option<PathBuf>,
     /// Zenoh's section `access_control`; unless the configuration file has one.
     pub rules: Option<serde_json::Value>,
-    /// Listen also where everybody comes in.
+    /// Allow links beyond this machine that nothing guards.
     pub insecure: bool,
 }
 
@@ -167,14 +167,9 @@ pub enum SessionError {
         /// Operating system's words.
         reason: String,
     },
-    /// Everybody could come in.
-    #[error(
-        "{} can be reached from other machines, and everybody there could move tools and give commands: use TLS \
-         (`palpate auth init DIR`, then --listen tls/… --identity DIR/daemon.json5), listen on 127.0.0.1, or say \
-         --insecure",
-        .0.join(", ")
-    )]
-    Exposed(Vec<String>),
+    /// Everybody could be at the other end of a link.
+    #[error(transparent)]
+    Exposed(#[from] Exposed),
     /// The identity file.
     #[error("{0}")]
     Identity(String),
@@ -183,50 +178,71 @@ pub enum SessionError {
     Zenoh(String),
 }
 
+impl From<OpenError> for SessionError {
+    fn from(error: OpenError) -> Self {
+        match error {
+            OpenError::Exposed(exposed) => Self::Exposed(exposed),
+            OpenError::Zenoh(words) => Self::Zenoh(words),
+        }
+    }
+}
+
 /// Opens a session. Endpoints are tried before Zenoh is asked: it would retry without a word.
 ///
 /// # Errors
-/// A configuration, endpoint, port or peer that does not work, by name.
+/// A configuration, endpoint, port or peer that does not work, by name; links beyond this machine that nothing
+/// guards, without `insecure`.
 pub fn open(settings: &SessionSettings) -> Result<zenoh::Session, SessionError> {
-    open_guarded(settings).map(|(session, _)| session)
+    open_told(settings).map(|(session, _)| session)
 }
 
-/// [`open`], with the endpoints on which everybody comes in.
+/// Where others than this machine and holders of identities may come in.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Open {
+    /// Links that nothing guards.
+    pub everybody: Vec<String>,
+    /// Where the session connects to: whoever is there decides whom else to let in.
+    pub others: Vec<String>,
+}
+
+/// [`open`], with where others may come in.
 ///
 /// # Errors
-/// As there; such endpoints without `insecure`.
-pub fn open_guarded(
-    settings: &SessionSettings,
-) -> Result<(zenoh::Session, Vec<String>), SessionError> {
+/// As there.
+pub fn open_told(settings: &SessionSettings) -> Result<(zenoh::Session, Open), SessionError> {
+    for endpoint in settings.connect.iter().chain(&settings.listen) {
+        ip_address(endpoint)?;
+    }
+    let config = configuration(settings)?;
+    let insecure = settings.access.insecure;
+    let openings = links::check(&config, insecure)?;
     for endpoint in &settings.connect {
-        match settings.role {
-            // With TLS a bare connection would be a failed handshake in the log of whoever listens.
-            Role::Peer | Role::Client if !is_secured(endpoint) => check_reachable(endpoint)?,
-            Role::Router | Role::Peer | Role::Client => drop(ip_address(endpoint)?),
+        // With TLS a bare connection would be a failed handshake in the log of whoever listens.
+        if settings.role != Role::Router && !is_secured(endpoint) {
+            check_reachable(endpoint)?;
         }
     }
     for endpoint in &settings.listen {
         check_free(endpoint)?;
     }
-    let mut config = match &settings.config {
-        Some(path) => {
-            let wrong = |reason: String| SessionError::Config {
-                path: path.clone(),
+    let everybody: Vec<String> = openings.into_iter().map(|opening| opening.what).collect();
+    let mut others = links::connects_to(&config);
+    others.retain(|endpoint| !everybody.contains(endpoint));
+    let (session, _) = links::open(config, insecure)?;
+    Ok((session, Open { everybody, others }))
+}
+
+/// What Zenoh is told.
+fn configuration(settings: &SessionSettings) -> Result<zenoh::Config, SessionError> {
+    let path = settings.config.as_deref();
+    let mut config =
+        palpate_client::configuration(path, settings.role.mode()).map_err(|reason| match path {
+            Some(path) => SessionError::Config {
+                path: path.to_owned(),
                 reason,
-            };
-            let (config, _) =
-                palpate_client::read_config(path, settings.role.mode()).map_err(wrong)?;
-            config
-        }
-        None => {
-            let mut config = zenoh::Config::default();
-            let mode = format!("\"{}\"", settings.role.mode());
-            set(&mut config, "mode", &mode)?;
-            set(&mut config, "scouting/multicast/enabled", "false")?;
-            set(&mut config, "listen/endpoints", "[]")?;
-            config
-        }
-    };
+            },
+            None => SessionError::Zenoh(reason),
+        })?;
     for (key, endpoints) in [
         ("connect/endpoints", &settings.connect),
         ("listen/endpoints", &settings.listen),
@@ -244,27 +260,14 @@ pub fn open_guarded(
     if let Some(patience) = settings.patience {
         budget::bound(&mut config, patience).map_err(SessionError::Zenoh)?;
     }
-    let open = guard(&mut config, &settings.access)?;
-    let session = zenoh::open(config)
-        .wait()
-        .map_err(|e| SessionError::Zenoh(e.to_string()))?;
-    Ok((session, open))
-}
-
-/// Adds the identity and its rules to a configuration; gives the endpoints that stay open.
-fn guard(config: &mut zenoh::Config, access: &Access) -> Result<Vec<String>, SessionError> {
-    if let Some(identity) = &access.identity {
-        palpate_client::add_identity(config, identity).map_err(SessionError::Identity)?;
+    if let Some(identity) = &settings.access.identity {
+        palpate_client::add_identity(&mut config, identity).map_err(SessionError::Identity)?;
         let has_rules = (config.get_json("access_control/enabled")).is_ok_and(|is| is == "true");
-        if let Some(rules) = access.rules.as_ref().filter(|_| !has_rules) {
-            set(config, "access_control", &rules.to_string())?;
+        if let Some(rules) = settings.access.rules.as_ref().filter(|_| !has_rules) {
+            set(&mut config, "access_control", &rules.to_string())?;
         }
     }
-    let open = open_endpoints(config);
-    match open.is_empty() || access.insecure {
-        true => Ok(open),
-        false => Err(SessionError::Exposed(open)),
-    }
+    Ok(config)
 }
 
 fn set(config: &mut zenoh::Config, key: &str, value: &str) -> Result<(), SessionError> {

@@ -65,7 +65,7 @@ pub struct ViewerSettings {
     pub instance: String,
     /// A recording is played: nobody moves its tools.
     pub played: bool,
-    /// Where everybody on the network may move tools and give commands.
+    /// Where others than this machine and holders of identities may come in.
     pub open: Vec<String>,
 }
 

@@ -39,7 +39,7 @@ pub(super) struct SessionInfo {
     pub(super) played: bool,
     /// Ticks wait for poses.
     pub(super) lockstep: bool,
-    /// Where everybody on the network may move tools and give commands.
+    /// Where others than this machine and holders of identities may come in.
     pub(super) open: Vec<String>,
 }
 

@@ -331,3 +331,23 @@ fn the_manifests_agree_with_each_other() {
         relay["ports"][0]["name"]
     );
 }
+
+// Kubernetes mounts secrets readable by everybody unless it is told otherwise.
+#[test]
+fn keys_are_mounted_so_that_nobody_else_reads_them() {
+    let mut found = 0;
+    for (file, manifest) in manifests() {
+        for (container, volumes) in containers(&manifest) {
+            let is_root = container["securityContext"]["runAsNonRoot"] != true;
+            for volume in volumes.as_array().unwrap() {
+                let Some(secret) = volume.get("secret") else {
+                    continue;
+                };
+                let expected = if is_root { 0o400 } else { 0o440 };
+                assert_eq!(secret["defaultMode"], expected, "{file}");
+                found += 1;
+            }
+        }
+    }
+    assert_eq!(found, 2);
+}

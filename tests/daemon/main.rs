@@ -1,4 +1,6 @@
 //! The program as its users meet it: daemons as processes, clients, recordings, commands.
+// Strangers open sessions of their own.
+#![allow(clippy::disallowed_methods)]
 
 #[path = "../../crates/sim/tests/common/mod.rs"]
 mod common;

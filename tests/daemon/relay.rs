@@ -1,6 +1,8 @@
 //! `palpate relay`: nets are thinned, forces are not, and behind a read-only one nobody writes.
 
+use crate::access::request;
 use crate::daemon::{Daemon, PROGRAM, SOFT_DROP, device, free_port};
+use palpate::auth::{Authority, Role};
 use palpate::relay::{Relay, RelayError, RelaySettings};
 use palpate_client::{ClientError, Connect, Palpate};
 use std::process::{Command, Stdio};
@@ -201,14 +203,30 @@ fn a_relay_without_a_daemon_or_open_to_all_is_refused() {
     ));
     for open in ["tcp/0.0.0.0:7447", "tcp/[::]:7447", "tcp/192.168.1.4:7447"] {
         let error = error(settings(&nobody, open));
-        assert!(matches!(error, RelayError::Open(_)), "{open}: {error}");
+        assert!(
+            matches!(error, RelayError::Exposed { .. }),
+            "{open}: {error}"
+        );
     }
+    let out = error(settings("tcp/10.0.0.2:7447", "tcp/127.0.0.1:0"));
+    assert!(matches!(out, RelayError::Exposed { .. }), "{out}");
     // With certificates, but without a word of what their roles may do.
+    let directory = tempfile::tempdir().unwrap();
+    let authority = Authority::create(directory.path()).unwrap();
+    let identity = authority.issue(&request(Role::Daemon), None).unwrap();
     let encrypted = RelaySettings {
         read_only: false,
+        identity: Some(identity),
         ..settings(&nobody, "tls/0.0.0.0:7447")
     };
-    assert!(matches!(error(encrypted), RelayError::NoRules(_)));
+    let no_rules = error(encrypted.clone()).to_string();
+    assert!(no_rules.contains("palpate auth rules"), "{no_rules}");
+    assert!(no_rules.contains("--read-only"), "{no_rules}");
+    let guarded = RelaySettings {
+        read_only: true,
+        ..encrypted
+    };
+    assert!(matches!(error(guarded), RelayError::Unreachable { .. }));
     let slow = RelaySettings {
         net_hz: Some(f64::NAN),
         ..settings(&nobody, "tcp/127.0.0.1:0")

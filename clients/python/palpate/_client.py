@@ -464,13 +464,14 @@ def connect(
     timeout: float = 5.0,
     observe: bool = False,
     zenoh_config: Optional[str] = None,
+    insecure: bool = False,
 ) -> Session:
     """Connects to a running daemon.
 
     Parameters
     ----------
     endpoint
-        For example ``tcp/192.168.1.5:7447``; or several.
+        For example ``tls/lab.example:7447`` with an identity as ``zenoh_config``; or several.
     instance
         Name that the daemon was given.
     timeout
@@ -479,11 +480,15 @@ def connect(
         Receive also what other clients publish.
     zenoh_config
         A Zenoh configuration file (JSON5) instead of a plain peer.
+    insecure
+        Also connect to another machine without TLS, where nobody knows who answers.
 
     Raises
     ------
     UnreachableError, NoAnswerError
         Nobody listens there, or no such instance.
+    ClientError
+        A link to another machine without TLS, and no ``insecure``.
     """
     endpoints = [endpoint] if isinstance(endpoint, str) else list(endpoint)
-    return Session(_native.Link(endpoints, instance, timeout, observe, zenoh_config))
+    return Session(_native.Link(endpoints, instance, timeout, observe, zenoh_config, insecure))

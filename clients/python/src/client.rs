@@ -94,7 +94,7 @@ impl Link {
 #[pymethods]
 impl Link {
     #[new]
-    #[pyo3(signature = (endpoints, instance, timeout, onlooker=false, config=None))]
+    #[pyo3(signature = (endpoints, instance, timeout, onlooker=false, config=None, insecure=false))]
     fn new(
         py: Python<'_>,
         endpoints: Vec<String>,
@@ -102,6 +102,7 @@ impl Link {
         timeout: f64,
         onlooker: bool,
         config: Option<std::path::PathBuf>,
+        insecure: bool,
     ) -> PyResult<Self> {
         ZENOH_IN.get_or_init(std::process::id);
         not_forked()?;
@@ -112,6 +113,7 @@ impl Link {
             identity: None,
             timeout: seconds(timeout)?,
             onlooker,
+            insecure,
         };
         let palpate = py
             .detach(|| Palpate::connect(&settings))

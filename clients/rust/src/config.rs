@@ -3,41 +3,13 @@
 use serde_json::Value;
 use std::path::Path;
 
-/// Which of the settings that decide who can reach a session a configuration file names.
+/// Which of the settings that decide where a session links to a configuration file names.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Named {
-    /// `mode`.
-    pub mode: bool,
-    /// `scouting/multicast/enabled`.
-    pub multicast: bool,
     /// `listen/endpoints`.
     pub listen: bool,
     /// `connect/endpoints`.
     pub connect: bool,
-}
-
-/// Reads a configuration file over our defaults: what it does not name stays as without a file (this
-/// mode, no multicast, no listening). Zenoh's own defaults listen on all interfaces and are found by
-/// multicast.
-///
-/// # Errors
-/// The file cannot be read or parsed, or asks for what this build does not have.
-pub fn read_config(path: &Path, mode: &str) -> Result<(zenoh::Config, Named), String> {
-    let mut config = zenoh::Config::from_file(path).map_err(|e| e.to_string())?;
-    check_built_in(&config)?;
-    let named = named(path)?;
-    let mode = format!("\"{mode}\"");
-    let defaults = [
-        (named.mode, "mode", mode.as_str()),
-        (named.multicast, "scouting/multicast/enabled", "false"),
-        (named.listen, "listen/endpoints", "[]"),
-    ];
-    for (_, key, value) in defaults.into_iter().filter(|(named, ..)| !named) {
-        config
-            .insert_json5(key, value)
-            .map_err(|e| format!("{key}: {e}"))?;
-    }
-    Ok((config, named))
 }
 
 /// What a configuration file names.
@@ -45,31 +17,67 @@ pub fn read_config(path: &Path, mode: &str) -> Result<(zenoh::Config, Named), St
 /// # Errors
 /// It cannot be read or parsed.
 pub fn named(path: &Path) -> Result<Named, String> {
-    let text = std::fs::read_to_string(path).map_err(|e| e.to_string())?;
-    let yaml = path
-        .extension()
-        .is_some_and(|kind| kind == "yaml" || kind == "yml");
-    if yaml {
-        // By its words: a section that is there counts as named.
-        let has = |word: &str| text.lines().any(|line| line.trim_start().starts_with(word));
-        return Ok(Named {
-            mode: has("mode:"),
-            multicast: has("multicast:"),
-            listen: has("listen:"),
-            connect: has("connect:"),
-        });
-    }
-    let value: Value = json5::from_str(&text).map_err(|e| e.to_string())?;
-    let has = |keys: &[&str]| {
-        let found = keys.iter().try_fold(&value, |value, key| value.get(key));
-        found.is_some_and(|value| !value.is_null())
-    };
+    let config = zenoh::Config::from_file(path).map_err(|e| e.to_string())?;
+    let own = zenoh::Config::default();
+    let differs = |key: &str| config.get_json(key).ok() != own.get_json(key).ok();
     Ok(Named {
-        mode: has(&["mode"]),
-        multicast: has(&["scouting", "multicast", "enabled"]),
-        listen: has(&["listen", "endpoints"]),
-        connect: has(&["connect", "endpoints"]),
+        // Zenoh's default says it too.
+        listen: differs("listen/endpoints") || writes_listen_endpoints(path)?,
+        connect: differs("connect/endpoints"),
     })
+}
+
+fn writes_listen_endpoints(path: &Path) -> Result<bool, String> {
+    let text = std::fs::read_to_string(path).map_err(|e| e.to_string())?;
+    Ok(match json5::from_str::<Value>(&text) {
+        Ok(value) => value
+            .pointer("/listen/endpoints")
+            .is_some_and(|value| !value.is_null()),
+        // YAML, by its words.
+        Err(_) => text
+            .lines()
+            .any(|line| line.trim_start().starts_with("listen:")),
+    })
+}
+
+/// A configuration that links to nobody but whom it names: what the file does not say is this mode, no
+/// multicast, no listening, and no links to whom others name. Zenoh's own defaults listen on all interfaces, are found
+/// by multicast, and connect to whatever address a connected session gossips about, whoever that is.
+///
+/// # Errors
+/// The file cannot be read or parsed, asks for what this build does not have, or has or names a private key that
+/// others can read.
+pub fn configuration(path: Option<&Path>, mode: &str) -> Result<zenoh::Config, String> {
+    let (mut config, named) = match path {
+        None => (zenoh::Config::default(), Named::default()),
+        Some(path) => {
+            let config = zenoh::Config::from_file(path).map_err(|e| e.to_string())?;
+            check_built_in(&config)?;
+            check_keys(&config, path)?;
+            (config, named(path)?)
+        }
+    };
+    let said = |config: &zenoh::Config, key: &str| Said(config).value(key) != Value::Null;
+    if !said(&config, "mode") {
+        set(&mut config, "mode", &format!("\"{mode}\""))?;
+    }
+    if !said(&config, "scouting/multicast/enabled") {
+        set(&mut config, "scouting/multicast/enabled", "false")?;
+    }
+    let gossip = "scouting/gossip/autoconnect";
+    if Said(&config).of_mode(gossip) == Value::Null {
+        set(&mut config, gossip, "[]")?;
+    }
+    if !named.listen {
+        set(&mut config, "listen/endpoints", "[]")?;
+    }
+    Ok(config)
+}
+
+fn set(config: &mut zenoh::Config, key: &str, value: &str) -> Result<(), String> {
+    config
+        .insert_json5(key, value)
+        .map_err(|e| format!("{key}: {e}"))
 }
 
 /// The TLS section of an identity file that `palpate auth` made: keys and certificates of one role.
@@ -88,12 +96,49 @@ pub fn identity(path: &Path) -> Result<Value, String> {
 /// Gives a configuration an identity: what it says of TLS itself is replaced.
 ///
 /// # Errors
-/// As of [`identity`].
+/// As of [`identity`] and [`check_private`].
 pub fn add_identity(config: &mut zenoh::Config, path: &Path) -> Result<(), String> {
+    check_private(path)?;
     let wrong = |reason: String| format!("identity {}: {reason}", path.display());
     let tls = identity(path).map_err(wrong)?;
     let done = config.insert_json5("transport/link/tls", &tls.to_string());
     done.map_err(|e| wrong(e.to_string()))
+}
+
+/// Refuses a file with a private key that others can read, as ssh does. Of root's files, which a program of
+/// another user cannot own, the group may read: volumes of secrets are mounted so.
+///
+/// # Errors
+/// Who can read it, and what to do.
+pub fn check_private(path: &Path) -> Result<(), String> {
+    #[cfg(unix)]
+    if let Ok(data) = std::fs::metadata(path) {
+        use std::os::unix::fs::MetadataExt as _;
+        let mode = data.mode() & 0o777;
+        let roots = data.uid() == 0 && !rustix::process::geteuid().is_root();
+        if mode & if roots { 0o037 } else { 0o077 } != 0 {
+            let path = path.display();
+            return Err(format!(
+                "{path} contains a private key, and others on this machine can read or change it (mode {mode:04o}): chmod \
+                 600 {path}"
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// The same for the keys that a configuration file has or names.
+fn check_keys(config: &zenoh::Config, path: &Path) -> Result<(), String> {
+    for key in ["listen_private_key", "connect_private_key"] {
+        let value = |kind: &str| Said(config).value(&format!("transport/link/tls/{key}{kind}"));
+        if value("_base64").is_string() {
+            check_private(path)?;
+        }
+        if let Some(file) = value("").as_str() {
+            check_private(Path::new(file))?;
+        }
+    }
+    Ok(())
 }
 
 /// Protocols that are built in.
@@ -126,31 +171,63 @@ pub fn check_protocol(endpoint: &str) -> Result<(), String> {
 ///
 /// # Errors
 /// What is asked for, by its key.
-pub fn check_built_in(config: &zenoh::Config) -> Result<(), String> {
-    let value = |key: &str| -> Value {
-        config
-            .get_json(key)
-            .ok()
-            .and_then(|text| serde_json::from_str(&text).ok())
-            .unwrap_or_default()
-    };
+fn check_built_in(config: &zenoh::Config) -> Result<(), String> {
+    let said = Said(config);
     for key in ["transport/auth/usrpwd", "transport/auth/pubkey"] {
-        if says_anything(&value(key)) {
+        if says_anything(&said.value(key)) {
             return Err(format!(
                 "{key} is set, but this build has no authentication by passwords or bare keys: anyone could connect. \
                  Certificates are built in: see `palpate auth`"
             ));
         }
     }
+    for key in ["plugins", "plugins_loading/enabled"] {
+        if !matches!(said.value(key), Value::Null | Value::Bool(false))
+            && said.value(key) != serde_json::json!({})
+        {
+            return Err(format!("{key} is set, but this build has no plugins"));
+        }
+    }
     for key in ["listen/endpoints", "connect/endpoints"] {
-        let mut texts = Vec::new();
-        let endpoints = value(key);
-        gather(&endpoints, &mut texts);
-        for endpoint in texts.iter().filter(|text| text.contains('/')) {
+        let mut all = Vec::new();
+        texts(&said.value(key), &mut all);
+        for endpoint in all.iter().filter(|text| text.contains('/')) {
             check_protocol(endpoint).map_err(|reason| format!("{key}: {endpoint:?}: {reason}"))?;
         }
     }
     Ok(())
+}
+
+/// A configuration, read as Zenoh reads it.
+pub(crate) struct Said<'a>(pub(crate) &'a zenoh::Config);
+
+impl Said<'_> {
+    /// What it has under a key; null where it has nothing.
+    pub(crate) fn value(&self, key: &str) -> Value {
+        let text = self.0.get_json(key).unwrap_or_default();
+        serde_json::from_str(&text).unwrap_or_default()
+    }
+
+    /// A value that may be said by mode, for the session's own; null where it is not said for that.
+    pub(crate) fn of_mode(&self, key: &str) -> Value {
+        match self.value(key) {
+            Value::Object(mut by_mode) => by_mode.remove(&self.mode()).unwrap_or_default(),
+            value => value,
+        }
+    }
+
+    /// Mode of the session.
+    pub(crate) fn mode(&self) -> String {
+        (self.value("mode").as_str()).map_or_else(|| "peer".to_owned(), str::to_owned)
+    }
+
+    /// Endpoints in use under a key.
+    pub(crate) fn endpoints(&self, key: &str) -> Vec<String> {
+        let mut all = Vec::new();
+        texts(&self.of_mode(key), &mut all);
+        all.retain(|text| text.contains('/')); // A group of endpoints also says how they are used.
+        all
+    }
 }
 
 fn says_anything(value: &Value) -> bool {
@@ -161,11 +238,12 @@ fn says_anything(value: &Value) -> bool {
     }
 }
 
-fn gather<'a>(value: &'a Value, into: &mut Vec<&'a str>) {
+/// All texts of a value.
+fn texts(value: &Value, into: &mut Vec<String>) {
     match value {
-        Value::String(text) => into.push(text),
-        Value::Array(values) => values.iter().for_each(|value| gather(value, into)),
-        Value::Object(fields) => fields.values().for_each(|value| gather(value, into)),
+        Value::String(text) => into.push(text.clone()),
+        Value::Array(values) => values.iter().for_each(|value| texts(value, into)),
+        Value::Object(fields) => fields.values().for_each(|value| texts(value, into)),
         _ => {}
     }
 }
@@ -173,6 +251,7 @@ fn gather<'a>(value: &'a Value, into: &mut Vec<&'a str>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use serde_json::json;
 
     fn refused(key: &str, value: &str) -> String {
         let mut config = zenoh::Config::default();
@@ -180,33 +259,90 @@ mod tests {
         check_built_in(&config).unwrap_err()
     }
 
-    // Zenoh's defaults listen on every interface and answer multicast: a file that sets a lease must not
-    // bring them in.
+    // Zenoh's defaults listen on every interface, answer multicast and connect to whoever is gossiped about: a
+    // file that sets a lease must not bring them in.
     #[test]
     fn a_file_changes_only_what_it_names() {
-        let directory = std::env::temp_dir().join(format!("palpate-config-{}", std::process::id()));
-        std::fs::create_dir_all(&directory).unwrap();
+        let directory = tempfile::tempdir().unwrap();
         let read = |name: &str, text: &str| {
-            let path = directory.join(name);
+            let path = directory.path().join(name);
             std::fs::write(&path, text).unwrap();
-            let (config, named) = read_config(&path, "peer").unwrap();
-            let get = |key: &str| config.get_json(key).unwrap();
-            let all = ["mode", "scouting/multicast/enabled", "listen/endpoints"].map(get);
-            (all, named)
+            let config = configuration(Some(&path), "peer").unwrap();
+            let said = Said(&config);
+            let all = [
+                said.value("mode"),
+                said.value("scouting/multicast/enabled"),
+                said.value("listen/endpoints"),
+                said.of_mode("scouting/gossip/autoconnect"),
+            ];
+            (all, named(&path).unwrap())
         };
-        let safe = ["\"peer\"", "false", "[]"].map(str::to_owned);
+        let safe = [json!("peer"), json!(false), json!([]), json!([])];
+        let nothing = Named::default();
         let lease = "{ transport: { link: { tx: { lease: 5000 } } } } // a comment";
-        assert_eq!(read("lease.json5", lease), (safe.clone(), Named::default()));
+        assert_eq!(read("lease.json5", lease), (safe.clone(), nothing));
         let yaml = "transport:\n  link:\n    tx:\n      lease: 5000\n";
-        assert_eq!(read("lease.yaml", yaml), (safe, Named::default()));
-        let all = r#"{ mode: "client", scouting: { multicast: { enabled: true } },
+        assert_eq!(read("lease.yaml", yaml), (safe.clone(), nothing));
+        let others = "{ scouting: { gossip: { autoconnect: { router: ['peer'] } } } }";
+        assert_eq!(read("others.json5", others), (safe, nothing));
+        let all = r#"{ mode: "client", scouting: { multicast: { enabled: true }, gossip: { autoconnect: ["peer"] } },
             listen: { endpoints: ["tcp/127.0.0.1:0"] } }"#;
-        let (own, named) = read("all.json5", all);
-        assert_eq!(own[0], "\"client\"");
-        assert_eq!(own[1], "true");
-        assert!(own[2].contains("tcp/127.0.0.1:0"), "{}", own[2]);
-        assert!(named.mode && named.multicast && named.listen && !named.connect);
-        std::fs::remove_dir_all(&directory).unwrap();
+        let own = [
+            json!("client"),
+            json!(true),
+            json!(["tcp/127.0.0.1:0"]),
+            json!(["peer"]),
+        ];
+        let listens = Named {
+            listen: true,
+            connect: false,
+        };
+        assert_eq!(read("all.json5", all), (own.clone(), listens));
+        let yaml = "{mode: client, scouting: {multicast: {enabled: true}, gossip: {autoconnect: [peer]}}, \
+                    'listen': {endpoints: ['tcp/127.0.0.1:0']}}";
+        assert_eq!(read("all.yaml", yaml), (own, listens));
+        // Zenoh's default, but somebody wrote it.
+        let wide = "{ listen: { endpoints: { router: ['tcp/[::]:7447'], peer: ['tcp/[::]:0'] } } }";
+        assert_eq!(read("wide.json5", wide).1, listens);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_private_key_that_others_can_read_is_refused_wherever_it_is_named() {
+        use std::os::unix::fs::PermissionsExt as _;
+        let directory = tempfile::tempdir().unwrap();
+        let at = |name: &str| directory.path().join(name);
+        let key = at("key.pem").display().to_string();
+        let with = |key: &str, value: &str| {
+            format!("{{ transport: {{ link: {{ tls: {{ {key}: {value:?} }} }} }} }}")
+        };
+        let inside = "connect_private_key_base64";
+        std::fs::write(at("key.pem"), "a key").unwrap();
+        std::fs::write(at("connect.json5"), with("connect_private_key", &key)).unwrap();
+        std::fs::write(at("listen.json5"), with("listen_private_key", &key)).unwrap();
+        let own = with(inside, "a2V5").replace(inside, "connect_certificate_base64: 'YQ==', $0");
+        std::fs::write(at("own.json5"), own.replace("$0", inside)).unwrap();
+        let mode = |name: &str, mode: u32| {
+            std::fs::set_permissions(at(name), std::fs::Permissions::from_mode(mode)).unwrap();
+        };
+        for bits in [0o644, 0o640, 0o604, 0o660, 0o620] {
+            mode("key.pem", bits);
+            mode("own.json5", bits);
+            for name in ["connect.json5", "listen.json5", "own.json5"] {
+                let error = configuration(Some(&at(name)), "peer").unwrap_err();
+                assert!(error.contains("chmod 600"), "{name} {bits:o}: {error}");
+            }
+            let error = add_identity(&mut zenoh::Config::default(), &at("own.json5")).unwrap_err();
+            assert!(error.contains("own.json5"), "{bits:o}: {error}");
+        }
+        for bits in [0o600, 0o400] {
+            mode("key.pem", bits);
+            mode("own.json5", bits);
+            for name in ["connect.json5", "listen.json5", "own.json5"] {
+                configuration(Some(&at(name)), "peer").unwrap();
+            }
+            add_identity(&mut zenoh::Config::default(), &at("own.json5")).unwrap();
+        }
     }
 
     #[test]
@@ -218,6 +354,13 @@ mod tests {
         assert!(file.contains("no authentication"), "{file}");
         let key = refused("transport/auth/pubkey/known_keys_file", "\"keys.pem\"");
         assert!(key.starts_with("transport/auth/pubkey is set"), "{key}");
+        let plugin = refused("plugins/rest", "{ http_port: 8000 }");
+        assert!(plugin.contains("no plugins"), "{plugin}");
+        let plugins = refused("plugins_loading/enabled", "true");
+        assert!(
+            plugins.starts_with("plugins_loading/enabled is set"),
+            "{plugins}"
+        );
         let udp = refused("listen/endpoints", "[\"udp/0.0.0.0:7447\"]");
         assert!(udp.contains("udp/0.0.0.0:7447"), "{udp}");
         assert!(udp.contains("there are tcp, tls, quic"), "{udp}");

@@ -1,6 +1,7 @@
 //! A session with one daemon.
 
 use crate::exact::is_one_key;
+use crate::links::{self, Exposed, OpenError};
 use palpate_proto::DeviceError;
 use palpate_proto::codec::{DecodeError, decode};
 use palpate_proto::keys::{IdError, Keys};
@@ -31,6 +32,8 @@ pub struct Connect {
     /// and what other clients publish is received too, which peers receive only if they can reach
     /// each other.
     pub onlooker: bool,
+    /// Also connect to other machines without TLS, where nobody knows who answers: whoever does moves the hand.
+    pub insecure: bool,
 }
 
 impl Connect {
@@ -43,6 +46,7 @@ impl Connect {
             identity: None,
             timeout: Duration::from_secs(3),
             onlooker: false,
+            insecure: false,
         }
     }
 }
@@ -58,6 +62,12 @@ pub enum ClientError {
         /// Operating system's words.
         reason: String,
     },
+    /// A link would leave this machine unguarded.
+    #[error(transparent)]
+    Exposed(#[from] Exposed),
+    /// A configuration or identity file that cannot be used.
+    #[error("{0}")]
+    File(String),
     /// The daemon and we do not accept each other's certificates.
     #[error("{endpoint}: {reason}")]
     Certificate {
@@ -188,67 +198,26 @@ pub struct Palpate {
 }
 
 impl Palpate {
-    /// Connects as a peer, without multicast.
+    /// Connects as a peer, or as a client to a router: one passes nothing on between peers.
     ///
     /// # Errors
-    /// An endpoint without a listener, a configuration Zenoh refuses, or an instance name that is
-    /// no id.
+    /// An endpoint without a listener, or on another machine without TLS; a configuration Zenoh refuses, or an
+    /// instance name that is no id.
     pub fn connect(settings: &Connect) -> Result<Self, ClientError> {
         let keys = Keys::new(&settings.instance)?;
         for endpoint in &settings.endpoints {
-            check_reachable(endpoint, settings.timeout)?;
+            check_endpoint(endpoint)?;
         }
-        let mut config = match &settings.zenoh_config {
-            Some(path) => {
-                let mode = if settings.onlooker { "client" } else { "peer" };
-                let (config, _) =
-                    crate::config::read_config(path, mode).map_err(ClientError::zenoh)?;
-                config
-            }
-            None => {
-                let mut config = zenoh::Config::default();
-                let mode = if settings.onlooker {
-                    "\"client\""
-                } else {
-                    "\"peer\""
-                };
-                let fixed = [
-                    ("mode", mode),
-                    ("scouting/multicast/enabled", "false"),
-                    ("listen/endpoints", "[]"),
-                ];
-                for (key, value) in fixed {
-                    config
-                        .insert_json5(key, value)
-                        .map_err(ClientError::zenoh)?;
-                }
-                config
-            }
-        };
-        let endpoints = serde_json::to_string(&settings.endpoints).map_err(ClientError::zenoh)?;
-        config
-            .insert_json5("connect/endpoints", &endpoints)
-            .map_err(ClientError::zenoh)?;
-        // Zenoh's own pauses grow to four seconds: a hand would wait for a router that is back already.
-        if config
-            .get_json("connect/retry")
-            .is_ok_and(|retry| retry == "null")
+        let mode = if settings.onlooker { "client" } else { "peer" };
+        let (mut session, is_peer) = open(settings, mode)?;
+        let info = session.info();
+        if is_peer
+            && info.routers_zid().wait().next().is_some()
+            && info.peers_zid().wait().next().is_none()
         {
-            config
-                .insert_json5("connect/retry", RETRY)
-                .map_err(ClientError::zenoh)?;
+            let _ = session.close().wait();
+            (session, _) = open(settings, "client")?;
         }
-        if let Some(identity) = &settings.identity {
-            crate::config::add_identity(&mut config, identity).map_err(ClientError::zenoh)?;
-        }
-        let secured = settings.endpoints.iter().find(|at| crate::is_secured(at));
-        if let Some(endpoint) = secured {
-            crate::tls::demand(&mut config, endpoint, settings)?;
-        }
-        let session = zenoh::open(config).wait().map_err(|error| match secured {
-            Some(endpoint) => crate::tls::refused(endpoint, &error.to_string()),
-            None => ClientError::zenoh(error),
-        })?;
         Ok(Self {
             session,
             keys,
@@ -518,16 +487,61 @@ fn role_hint(has_identity: bool) -> &'static str {
     }
 }
 
+/// A session in a mode, unless the configuration names another; and whether it is a peer.
+fn open(settings: &Connect, mode: &str) -> Result<(zenoh::Session, bool), ClientError> {
+    let path = settings.zenoh_config.as_deref();
+    let mut config = crate::configuration(path, mode).map_err(ClientError::File)?;
+    let is_peer = config.get_json("mode").is_ok_and(|mode| mode == "\"peer\"");
+    let endpoints = serde_json::to_string(&settings.endpoints).map_err(ClientError::zenoh)?;
+    config
+        .insert_json5("connect/endpoints", &endpoints)
+        .map_err(ClientError::zenoh)?;
+    // Zenoh's own pauses grow to four seconds: a hand would wait for a router that is back already.
+    if config
+        .get_json("connect/retry")
+        .is_ok_and(|retry| retry == "null")
+    {
+        config
+            .insert_json5("connect/retry", RETRY)
+            .map_err(ClientError::zenoh)?;
+    }
+    if let Some(identity) = &settings.identity {
+        crate::add_identity(&mut config, identity).map_err(ClientError::File)?;
+    }
+    let secured = settings.endpoints.iter().find(|at| crate::is_secured(at));
+    if let Some(endpoint) = secured {
+        crate::tls::demand(&mut config, endpoint, settings)?;
+    }
+    links::check(&config, settings.insecure)?;
+    for endpoint in &settings.endpoints {
+        check_reachable(endpoint, settings.timeout)?;
+    }
+    let opened = links::open(config, settings.insecure);
+    let (session, _) = opened.map_err(|error| match (secured, error) {
+        (Some(endpoint), OpenError::Zenoh(words)) => crate::tls::refused(endpoint, &words),
+        (None, OpenError::Zenoh(words)) => ClientError::Zenoh(words),
+        (_, OpenError::Exposed(exposed)) => exposed.into(),
+    })?;
+    Ok((session, is_peer))
+}
+
+fn unreachable(endpoint: &str, reason: impl ToString) -> ClientError {
+    ClientError::Unreachable {
+        endpoint: endpoint.to_owned(),
+        reason: reason.to_string(),
+    }
+}
+
+fn check_endpoint(endpoint: &str) -> Result<(), ClientError> {
+    if !endpoint.contains('/') {
+        let reason = "write an endpoint like tcp/127.0.0.1:7447";
+        return Err(unreachable(endpoint, reason));
+    }
+    crate::check_protocol(endpoint).map_err(|reason| unreachable(endpoint, reason))
+}
+
 /// Zenoh would retry an absent peer without a word: ask the socket first.
 fn check_reachable(endpoint: &str, timeout: Duration) -> Result<(), ClientError> {
-    let wrong = |reason: String| ClientError::Unreachable {
-        endpoint: endpoint.to_owned(),
-        reason,
-    };
-    if !endpoint.contains('/') {
-        return Err(wrong("write an endpoint like tcp/127.0.0.1:7447".into()));
-    }
-    crate::config::check_protocol(endpoint).map_err(wrong)?;
     // With TLS a bare connection would be a failed handshake in the daemon's log; `tls` asks Zenoh instead.
     let Some(address) = endpoint.strip_prefix("tcp/") else {
         return Ok(());
@@ -535,11 +549,11 @@ fn check_reachable(endpoint: &str, timeout: Duration) -> Result<(), ClientError>
     let address = address.split(['#', '?']).next().unwrap_or_default();
     let mut addresses = address
         .to_socket_addrs()
-        .map_err(|e| wrong(e.to_string()))?;
+        .map_err(|e| unreachable(endpoint, e))?;
     let address = addresses
         .next()
-        .ok_or_else(|| wrong("the host has no address".into()))?;
+        .ok_or_else(|| unreachable(endpoint, "the host has no address"))?;
     TcpStream::connect_timeout(&address, timeout)
         .map(drop)
-        .map_err(|e| wrong(e.to_string()))
+        .map_err(|e| unreachable(endpoint, e))
 }

@@ -19,6 +19,7 @@ mod config;
 mod connection;
 pub mod device;
 mod exact;
+pub mod links;
 mod newest;
 mod ping;
 mod publish;
@@ -28,7 +29,7 @@ mod tool;
 mod watch;
 
 pub use config::{
-    Named, add_identity, check_built_in, check_protocol, identity, is_secured, named, read_config,
+    Named, add_identity, check_private, check_protocol, configuration, identity, is_secured, named,
 };
 pub use connection::{ClientError, Connect, Latest, Palpate};
 pub use exact::is_one_key;

@@ -31,21 +31,13 @@ impl PingReport {
 /// Zenoh refused.
 pub fn raw_ping(port: u16, count: usize, interval: Duration) -> Result<PingReport, ClientError> {
     let open = |key: &str| {
-        let mut config = zenoh::Config::default();
+        let mut config = crate::configuration(None, "peer").map_err(ClientError::zenoh)?;
         let endpoint = format!("[\"tcp/127.0.0.1:{port}\"]");
-        let other = if key == "listen" { "connect" } else { "listen" };
-        let settings = [
-            ("mode".to_owned(), "\"peer\"".to_owned()),
-            ("scouting/multicast/enabled".to_owned(), "false".to_owned()),
-            (format!("{other}/endpoints"), "[]".to_owned()),
-            (format!("{key}/endpoints"), endpoint),
-        ];
-        for (key, value) in settings {
-            config
-                .insert_json5(&key, &value)
-                .map_err(ClientError::zenoh)?;
-        }
-        zenoh::open(config).wait().map_err(ClientError::zenoh)
+        config
+            .insert_json5(&format!("{key}/endpoints"), &endpoint)
+            .map_err(ClientError::zenoh)?;
+        let (session, _) = crate::links::open(config, false).map_err(ClientError::zenoh)?;
+        Ok::<_, ClientError>(session)
     };
     let (near, far) = (open("listen")?, open("connect")?);
     let publisher = |session: &zenoh::Session, key: &'static str| {

@@ -7,7 +7,6 @@ use crate::adapters::haply_service::{self, Pace};
 use crate::adapters::ros2::{guard_crtk, simulate_arm};
 use crate::adapters::simulated::SimulatedHand;
 use crate::adapters::{Coupling, couple};
-use crate::transport::{Access, Role, SessionSettings, open};
 use anyhow::Context as _;
 use palpate_client::device::{Hand, Motion, SimulatedDevice};
 use palpate_client::proto::messages::{DeviceInfo, SceneSnapshot};
@@ -78,7 +77,11 @@ pub fn drive(args: &Args) -> anyhow::Result<Outcome> {
     let adapter = &args.adapter;
     let tool_id = args.tool.as_deref().context("--tool is missing")?;
     let cap = cap(adapter)?;
-    let mut device = HaplyEnd::connect(&adapter.uri, adapter.device_id.as_deref())?;
+    let mut device = HaplyEnd::connect(
+        &adapter.uri,
+        adapter.device_id.as_deref(),
+        args.connection.insecure,
+    )?;
     let palpate = args.connection.open()?;
     let mut tool = palpate.tool(tool_id)?;
     let info = DeviceInfo {
@@ -174,7 +177,7 @@ pub fn pretend(args: &Args, kind: &str) -> anyhow::Result<Outcome> {
         })?;
         return Ok(Outcome::Ok);
     }
-    let session = session(args)?;
+    let session = args.connection.session()?;
     let report = simulate_arm(
         &session,
         &args.adapter.namespace,
@@ -196,7 +199,7 @@ pub fn guard(args: &Args) -> anyhow::Result<Outcome> {
         torque_nm: 0.1,
         ..cap(&args.adapter)?
     };
-    let session = session(args)?;
+    let session = args.connection.session()?;
     let stop = stop_after(args.duration);
     let report = guard_crtk(&session, &args.adapter.namespace, cap, &stop)
         .map_err(|error| anyhow::anyhow!("Zenoh: {error}"))?;
@@ -205,19 +208,6 @@ pub fn guard(args: &Args) -> anyhow::Result<Outcome> {
         args.adapter.namespace, report.passed, report.stopped
     );
     Ok(Outcome::Ok)
-}
-
-fn session(args: &Args) -> anyhow::Result<zenoh::Session> {
-    let connect = args.connection.endpoints();
-    Ok(open(&SessionSettings {
-        connect,
-        role: Role::Client,
-        access: Access {
-            identity: args.connection.identity(),
-            ..Access::default()
-        },
-        ..SessionSettings::default()
-    })?)
 }
 
 /// The device, the hand and the motion of the arguments. Named motions need a tool of a scene to aim

@@ -1,13 +1,10 @@
 //! Devices of a running daemon: how often they speak.
 
-use palpate_client::{Connect, Palpate};
+use crate::cli::connection::Connection;
 use serde::Serialize;
-use std::time::Duration;
 
 /// A slower device makes a stiff contact vibrate.
 const USUAL_HZ: f64 = 900.0;
-/// How long a daemon has to answer.
-const PATIENCE: Duration = Duration::from_secs(5);
 
 /// A device that holds a tool.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -22,12 +19,8 @@ pub(super) struct HeldTool {
 ///
 /// # Errors
 /// Nobody answers there.
-pub(super) fn ask(endpoint: &str, instance: &str) -> anyhow::Result<Vec<HeldTool>> {
-    let palpate = Palpate::connect(&Connect {
-        instance: instance.to_owned(),
-        timeout: PATIENCE,
-        ..Connect::to(endpoint)
-    })?;
+pub(super) fn ask(connection: &Connection) -> anyhow::Result<Vec<HeldTool>> {
+    let palpate = connection.open()?;
     let info: serde_json::Value = serde_json::from_str(&palpate.info()?)?;
     palpate.close();
     Ok(held(&info))

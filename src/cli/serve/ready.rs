@@ -6,7 +6,6 @@ use crate::transport::default_listen;
 use anyhow::Context as _;
 use std::io::Write as _;
 use std::net::{TcpListener, UdpSocket};
-use std::path::Path;
 
 /// The endpoints to listen on, a free port instead of port 0.
 ///
@@ -35,11 +34,8 @@ pub fn resolved(common: &Common) -> anyhow::Result<Vec<String>> {
 ///
 /// # Errors
 /// The configuration file cannot be read.
-pub fn line(
-    common: &Common,
-    config: Option<&Path>,
-    page: Option<&str>,
-) -> anyhow::Result<serde_json::Value> {
+pub fn line(common: &Common, page: Option<&str>) -> anyhow::Result<serde_json::Value> {
+    let config = common.zenoh_config.as_deref();
     let secure = common.access.identity.is_some();
     let listen = default_listen(config, &common.listen, &common.connect, secure)?;
     Ok(serde_json::json!({

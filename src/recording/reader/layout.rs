@@ -1,6 +1,7 @@
 //! Where things are in a file: its records from end to end, without looking into chunks.
 
 use super::super::format::{END, RUN, SCENE_EFFECTIVE, SCENE_TEXT, TOTALS, is_as_written};
+use super::scene_text::without_bus;
 use super::source::Source;
 use mcap::records::{ChunkHeader, Metadata, Record, op};
 use std::collections::{BTreeMap, BTreeSet};
@@ -212,7 +213,7 @@ impl Layout {
                 let text = || String::from_utf8_lossy(&data).into_owned();
                 match header.name.as_str() {
                     SCENE_TEXT => self.header.scene_text = text(),
-                    SCENE_EFFECTIVE => self.header.effective_scene = text(),
+                    SCENE_EFFECTIVE => self.header.effective_scene = without_bus(text()),
                     TOTALS => self.totals = Some(text()),
                     _ => {}
                 }

@@ -1,7 +1,7 @@
 //! The scene that a recording carries, as far as it is trusted.
 
 use palpate_sim::scene::spec::SceneSpec;
-use toml::Value;
+use toml::{Table, Value};
 
 /// Reads the scene of a recording. Our recordings have every file of their scene in it; a recording of
 /// somebody else's that names files of this machine is refused before anything is opened.
@@ -18,6 +18,20 @@ pub(in crate::recording) fn recorded_spec(text: &str) -> Result<SceneSpec, Strin
         Some(file) => Err(format!(
             "it names the file {file:?}, and recordings carry all that their scene needs"
         )),
+    }
+}
+
+/// A recorded scene without the table `[zenoh]` that earlier builds wrote: where the bus leads is not for a file to say.
+pub(super) fn without_bus(text: String) -> String {
+    if !text.contains("[zenoh]") {
+        return text;
+    }
+    let Ok(mut scene) = toml::from_str::<Table>(&text) else {
+        return text;
+    };
+    match scene.remove("zenoh") {
+        Some(_) => toml::to_string(&scene).unwrap_or(text),
+        None => text,
     }
 }
 
@@ -53,5 +67,16 @@ mod tests {
         let tool = body("{ builtin = \"teardrop\" }") + tool;
         let error = recorded_spec(&tool).unwrap_err();
         assert!(error.contains("/dev/zero"), "{error}");
+    }
+
+    #[test]
+    fn a_recording_of_an_earlier_build_that_names_a_bus_configuration_is_read_without_it() {
+        let scene = "[[body]]\nid = \"drop\"\nsurface = { builtin = \"teardrop\" }\n[loop]\nrate_hz = 500\n";
+        let named = format!("{scene}[zenoh]\nconfig = \"/tmp/dial.json5\"\n");
+        assert!(recorded_spec(&named).is_err());
+        let read = without_bus(named);
+        assert!(!read.contains("zenoh"), "{read}");
+        assert_eq!(recorded_spec(&read), recorded_spec(scene));
+        assert_eq!(without_bus(scene.into()), scene);
     }
 }

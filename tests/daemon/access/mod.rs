@@ -3,6 +3,7 @@
 mod commands;
 mod exposure;
 mod leaving;
+mod links;
 mod namespaces;
 mod roles;
 mod router;
@@ -33,7 +34,7 @@ pose = { position = [-0.06, 0.003, 0.045] }
 
 const YEAR: Duration = Duration::from_secs(365 * 86_400);
 
-fn request(role: Role) -> Request {
+pub fn request(role: Role) -> Request {
     let hosts = match role {
         Role::Daemon => vec!["127.0.0.1".to_owned(), "localhost".to_owned()],
         _ => Vec::new(),

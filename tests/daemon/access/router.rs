@@ -30,7 +30,7 @@ const STAYS: &str = "[[waypoint]]\ntime_s = 0\nposition = [0.06, 0.003, 0.045]\n
                      [[waypoint]]\ntime_s = 100\nposition = [0.022, 0.003, 0.045]\n";
 
 /// Waits until a program says `word` on its first line.
-fn wait_for(child: &mut Child, word: &str) {
+pub(super) fn wait_for(child: &mut Child, word: &str) {
     let stdout = child.stdout.as_mut().unwrap();
     let mut line = String::new();
     BufReader::new(stdout).read_line(&mut line).unwrap();

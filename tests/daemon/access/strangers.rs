@@ -1,5 +1,6 @@
 //! Those without a certificate, with one that is over, of another authority, of another name.
 
+use super::exposure::private;
 use super::{Secured, request};
 use palpate::auth::{Authority, Role};
 use palpate_client::{ClientError, Connect, Palpate};
@@ -31,8 +32,14 @@ fn issued(authority: &Authority, role: Role, from: OffsetDateTime, path: PathBuf
         valid: Duration::from_secs(86_400),
         ..request(role)
     };
-    std::fs::write(&path, authority.identity(&short, from).unwrap()).unwrap();
+    write(&path, &authority.identity(&short, from).unwrap());
     path
+}
+
+/// Writes an identity.
+fn write(path: &Path, text: &str) {
+    std::fs::write(path, text).unwrap();
+    private(path);
 }
 
 #[test]
@@ -89,7 +96,7 @@ fn strangers(protocol: &str) {
     let mut mixed = read(&foreign);
     let ca = "root_ca_certificate_base64";
     mixed["transport"]["link"]["tls"][ca] = read(&viewer)["transport"]["link"]["tls"][ca].clone();
-    std::fs::write(file("mixed.json5"), mixed.to_string()).unwrap();
+    write(&file("mixed.json5"), &mixed.to_string());
     println!(
         "of another authority: {}",
         refused(at, Some(&file("mixed.json5")))
@@ -99,7 +106,7 @@ fn strangers(protocol: &str) {
     let key = "connect_private_key_base64";
     stolen["transport"]["link"]["tls"][key] =
         read(&foreign)["transport"]["link"]["tls"][key].clone();
-    std::fs::write(file("stolen.json5"), stolen.to_string()).unwrap();
+    write(&file("stolen.json5"), &stolen.to_string());
     println!(
         "a certificate without its key: {}",
         refused(at, Some(&file("stolen.json5")))
@@ -107,7 +114,7 @@ fn strangers(protocol: &str) {
     // TLS without a certificate of the client's.
     let mut bare = read(&viewer);
     bare["transport"]["link"]["tls"]["enable_mtls"] = false.into();
-    std::fs::write(file("bare.json5"), bare.to_string()).unwrap();
+    write(&file("bare.json5"), &bare.to_string());
     println!("no certificate: {}", refused(at, Some(&file("bare.json5"))));
     // No TLS at all: the port does not speak.
     let plain = at.replace(protocol, "tcp");

@@ -22,7 +22,7 @@ export interface Session {
   readonly pages?: Readonly<Record<string, string>>;
   /** A recording published as if live: its tools move by themselves. */
   readonly played?: boolean;
-  /** Addresses that everybody on the network reaches and may write to. */
+  /** Addresses where others than the daemon's machine and holders of identities may come in and write. */
   readonly open?: readonly string[];
   readonly lockstep?: boolean;
 }

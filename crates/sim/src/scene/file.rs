@@ -187,6 +187,11 @@ fn with_suggestion(message: &str) -> String {
     let (Some(given), true) = (quoted.first(), unknown) else {
         return message.to_owned();
     };
+    if *given == "zenoh" {
+        return "a scene does not decide where the bus leads: give its configuration to `palpate serve` as \
+                --zenoh-config FILE, and take this table out"
+            .into();
+    }
     let known = &quoted[1..];
     let list = known.join(", ");
     let near = known

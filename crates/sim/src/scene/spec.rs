@@ -2,7 +2,6 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use std::path::PathBuf;
 
 mod body;
 mod motion;
@@ -47,9 +46,6 @@ pub struct SceneSpec {
     /// What recordings contain.
     #[serde(default)]
     pub record: RecordSpec,
-    /// The bus.
-    #[serde(default)]
-    pub zenoh: ZenohSpec,
     /// Topics of ROS 2 that move the tools, for `palpate serve --ros2`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ros2: Option<Ros2Spec>,
@@ -226,12 +222,4 @@ impl Default for RecordSpec {
             view_hz: 30.0,
         }
     }
-}
-
-/// `[zenoh]`: the bus.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct ZenohSpec {
-    /// A Zenoh configuration file (JSON5), relative to the scene file.
-    pub config: Option<PathBuf>,
 }

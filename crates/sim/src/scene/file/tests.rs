@@ -20,7 +20,7 @@ fn ten_lines_make_a_scene() {
 
 #[test]
 fn every_problem_names_its_line() {
-    let cases: [(&str, &str); 20] = [
+    let cases: [(&str, &str); 21] = [
         (
             "[loop]\nrate_hz = 0\n",
             "s.toml:2:1: rate_hz is 0; it must be 1 to 10000",
@@ -28,6 +28,11 @@ fn every_problem_names_its_line() {
         (
             "[loop]\nrate = 5\n",
             "s.toml:2:1: \"rate\" is not known here; did you mean \"rate_hz\"?",
+        ),
+        (
+            "[zenoh]\nconfig = \"bus.json5\"\n",
+            "s.toml:1:2: a scene does not decide where the bus leads: give its configuration to `palpate serve` as \
+             --zenoh-config FILE",
         ),
         ("[loop\n", "s.toml:1:6: "),
         (
