@@ -32,7 +32,8 @@ pub use config::{
 pub use connection::{ClientError, Connect, Latest, Palpate};
 pub use newest::NewestForce;
 pub use palpate_proto as proto;
+pub use palpate_proto::watchdog::{Silences, Watchdog};
 pub use ping::{PingReport, raw_ping};
 pub use publish::{encoding, publisher};
-pub use tool::{Tool, holder_id, pose_at};
+pub use tool::{Forces, Tool, holder_id, pose_at};
 pub use watch::Seen;

@@ -7,7 +7,7 @@ use crate::publish::publisher;
 use palpate_proto::codec::{decode, encode};
 use palpate_proto::messages::{DeviceInfo, ToolContact, ToolForce, ToolPose};
 use std::sync::atomic::{AtomicU32, Ordering};
-use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use zenoh::Wait;
 
@@ -29,29 +29,84 @@ pub fn pose_at(position: [f64; 3]) -> ToolPose {
 const RESEND: Duration = Duration::from_millis(100);
 
 /// A held tool. Its liveliness token lasts as long as it.
+///
+/// Its forces are what a hand may feel: when they stop coming they fade to zero ([`Forces::get`]).
 pub struct Tool {
     publisher: zenoh::pubsub::Publisher<'static>,
-    forces: Arc<Forces>,
+    forces: Forces,
     seq: u64,
     last: Option<ToolPose>,
     /// Goes with each pose: who sends it.
     holder: Vec<u8>,
     lockstep: bool,
-    /// The daemon may leave forces out.
-    sparse: bool,
     session: zenoh::Session,
     device_key: String,
     contact_key: String,
     announcement: Option<Announcement>,
     contact: Option<Latest<ToolContact>>,
-    _subscriber: zenoh::pubsub::Subscriber<()>,
     _token: zenoh::liveliness::LivelinessToken,
 }
 
-#[derive(Default)]
-struct Forces {
+/// Forces of a tool as they arrive: the newest, as it may act.
+#[derive(Clone)]
+pub struct Forces {
+    shared: Arc<Shared>,
+    _subscriber: Arc<zenoh::pubsub::Subscriber<()>>,
+}
+
+struct Shared {
     newest: Mutex<NewestForce>,
     arrived: Condvar,
+}
+
+impl Shared {
+    fn lock(&self) -> MutexGuard<'_, NewestForce> {
+        self.newest.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Forces {
+    fn subscribe(palpate: &Palpate, id: &str, newest: NewestForce) -> Result<Self, ClientError> {
+        let shared = Arc::new(Shared {
+            newest: Mutex::new(newest),
+            arrived: Condvar::new(),
+        });
+        let told = shared.clone();
+        let subscriber = palpate
+            .session()
+            .declare_subscriber(palpate.keys().tool_force(id))
+            .callback(move |sample| {
+                if let Ok(force) = decode::<ToolForce>(&sample.payload().to_bytes(), "") {
+                    told.lock().offer(force, Instant::now());
+                    told.arrived.notify_all();
+                }
+            })
+            .wait()
+            .map_err(ClientError::zenoh)?;
+        Ok(Self {
+            shared,
+            _subscriber: Arc::new(subscriber),
+        })
+    }
+
+    /// The newest force as it may act now; `None` before the first. When none has come for 50 ms (100 ms with
+    /// a deadband, and for those who only watch) it fades to zero within 10 ms; when they come again, it comes
+    /// back over 100 ms. A force that is less than it came is marked
+    /// [`palpate_proto::messages::force_flags::RAMPING`]. In lockstep, where time stands still, none fades.
+    pub fn get(&self) -> Option<ToolForce> {
+        self.newest().felt(Instant::now())
+    }
+
+    /// The newest force as it came, and what is known of the others.
+    pub fn newest(&self) -> NewestForce {
+        *self.shared.lock()
+    }
+
+    /// How long ago the newest force came; `None` before the first one. The daemon may be gone, and cannot
+    /// say so.
+    pub fn silence(&self) -> Option<Duration> {
+        self.newest().silence(Instant::now())
+    }
 }
 
 /// What goes along with poses and descriptions as Zenoh's attachment: daemons take those of one
@@ -89,24 +144,30 @@ impl Palpate {
         }
         Tool::new(self, id, scene.lockstep)
     }
+
+    /// Forces of a tool, for those who watch and do not hold it.
+    ///
+    /// # Errors
+    /// No answer, or Zenoh refused.
+    pub fn forces(&self, tool: &str) -> Result<Forces, ClientError> {
+        // Whether its holder has a deadband is not known here.
+        let newest = NewestForce::new(self.is_timeless()?, true);
+        Forces::subscribe(self, tool, newest)
+    }
+
+    /// Time stands still between forces. A recording is played by the clock, whatever made it.
+    fn is_timeless(&self) -> Result<bool, ClientError> {
+        let info: serde_json::Value =
+            serde_json::from_str(&self.info()?).map_err(ClientError::zenoh)?;
+        Ok(info["lockstep"] == true && info["played"] != true)
+    }
 }
 
 impl Tool {
     pub(crate) fn new(palpate: &Palpate, id: &str, lockstep: bool) -> Result<Self, ClientError> {
         let (session, keys) = (palpate.session(), palpate.keys());
-        let forces = Arc::new(Forces::default());
-        let shared = forces.clone();
-        let subscriber = session
-            .declare_subscriber(keys.tool_force(id))
-            .callback(move |sample| {
-                if let Ok(force) = decode::<ToolForce>(&sample.payload().to_bytes(), "") {
-                    let mut newest = shared.newest.lock().unwrap_or_else(PoisonError::into_inner);
-                    newest.offer(force, Instant::now());
-                    shared.arrived.notify_all();
-                }
-            })
-            .wait()
-            .map_err(ClientError::zenoh)?;
+        let timeless = lockstep && palpate.is_timeless()?;
+        let forces = Forces::subscribe(palpate, id, NewestForce::new(timeless, false))?;
         let publisher =
             publisher::<ToolPose>(session, keys.tool_pose(id)).map_err(ClientError::zenoh)?;
         let token = session
@@ -121,13 +182,11 @@ impl Tool {
             last: None,
             holder: holder_id(session),
             lockstep,
-            sparse: false,
             session: session.clone(),
             device_key: keys.tool_device(id),
             contact_key: keys.tool_contact(id),
             announcement: None,
             contact: None,
-            _subscriber: subscriber,
             _token: token,
         })
     }
@@ -135,11 +194,6 @@ impl Tool {
     /// True when the daemon waits for each pose.
     pub fn is_lockstep(&self) -> bool {
         self.lockstep
-    }
-
-    /// True when a deadband was asked for: forces then come at least every 50 ms instead of every tick.
-    pub fn is_sparse(&self) -> bool {
-        self.sparse
     }
 
     /// Sends a pose; gives the `seq` it got. In lockstep the pose's own time is kept, so that
@@ -187,8 +241,7 @@ impl Tool {
 
     /// Who sends, and what it has received: the daemon counts both.
     fn receipt(&self) -> Vec<u8> {
-        let newest = self.forces.newest.lock();
-        let newest = newest.unwrap_or_else(PoisonError::into_inner);
+        let newest = self.newest();
         let newest_ns = newest.force.map_or(0, |force| force.t_server_ns);
         let mut bytes = Vec::with_capacity(self.holder.len() + 16);
         bytes.extend_from_slice(&self.holder);
@@ -205,7 +258,7 @@ impl Tool {
     /// No device can be like that, or Zenoh refused.
     pub fn announce(&mut self, info: &DeviceInfo) -> Result<(), ClientError> {
         let info = info.clone().validated()?;
-        self.sparse = info.deadband > 0.0;
+        self.forces.shared.lock().set_sparse(info.deadband > 0.0);
         match &mut self.announcement {
             Some(announcement) => announcement.replace(&info),
             none => {
@@ -236,45 +289,35 @@ impl Tool {
         }
     }
 
-    /// The newest force.
+    /// The newest force as it may act now: zero when none has come for 60 ms ([`Forces::get`]).
     pub fn force(&self) -> Option<ToolForce> {
-        self.forces
-            .newest
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .force
+        self.forces.get()
     }
 
-    /// How long ago the last force came; `None` before the first one. Motors belong at zero when it is
-    /// more than 50 ms: the daemon may be gone, and cannot say so.
+    /// The newest force as it came, and what is known of the others.
+    pub fn newest(&self) -> NewestForce {
+        self.forces.newest()
+    }
+
+    /// How long ago the newest force came; `None` before the first one.
     pub fn silence(&self) -> Option<Duration> {
-        let newest = self.forces.newest.lock();
-        newest
-            .unwrap_or_else(PoisonError::into_inner)
-            .at
-            .map(|at| at.elapsed())
+        self.forces.silence()
     }
 
     /// Forces received so far.
     pub fn received(&self) -> u64 {
-        self.forces
-            .newest
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .received
+        self.newest().received
     }
 
-    /// Waits for a force that answers the pose `seq` or a later one. In lockstep the pose is sent
-    /// again now and then.
+    /// Waits for a force that answers the pose `seq` or a later one, and gives it as it may act then
+    /// ([`Forces::get`]). In lockstep the pose is sent again now and then.
     pub fn wait_force(&self, seq: u64, timeout: Duration) -> Option<ToolForce> {
         let started = Instant::now();
-        let mut newest = self
-            .forces
-            .newest
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner);
+        let shared = &self.forces.shared;
+        let mut newest = shared.lock();
         loop {
-            if let Some(force) = newest.force.filter(|force| force.pose_seq >= seq) {
+            let felt = newest.felt(Instant::now());
+            if let Some(force) = felt.filter(|force| force.pose_seq >= seq) {
                 return Some(force);
             }
             let left = timeout.checked_sub(started.elapsed())?;
@@ -283,8 +326,7 @@ impl Tool {
             } else {
                 left
             };
-            let (guard, waited) = self
-                .forces
+            let (guard, waited) = shared
                 .arrived
                 .wait_timeout(newest, slice)
                 .unwrap_or_else(PoisonError::into_inner);
@@ -294,11 +336,7 @@ impl Tool {
                 if let Some(pose) = &self.last {
                     let _ = self.put(pose);
                 }
-                newest = self
-                    .forces
-                    .newest
-                    .lock()
-                    .unwrap_or_else(PoisonError::into_inner);
+                newest = shared.lock();
             }
         }
     }

@@ -82,7 +82,7 @@ impl Plan {
                 let words = format!("tool {:?} has its topics already", tool.tool);
                 problems.add(format!("{path}.tool"), words);
             }
-            arms.push(arm(tool, &path, lockstep, dt_s, &mut problems));
+            arms.push(arm(tool, &path, dt_s, &mut problems));
         }
         problems.into_result()?;
         Ok(Self {
@@ -141,7 +141,6 @@ fn is_name(name: &str) -> bool {
 fn arm(
     spec: &Ros2ToolSpec,
     path: &str,
-    lockstep: bool,
     dt_s: f64,
     problems: &mut Problems,
 ) -> ArmPlan {
@@ -185,7 +184,6 @@ fn arm(
                 torque_nm: known.torque_max_nm,
             },
             dt_s,
-            silence_ns: CouplerSettings::default().silence_ns.filter(|_| !lockstep),
             ..CouplerSettings::default()
         },
     };
