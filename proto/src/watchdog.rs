@@ -133,7 +133,8 @@ impl Watchdog {
     }
 
     fn is_silent(&self, now: Instant) -> bool {
-        self.silence(now).is_some_and(|silence| silence > self.limit)
+        self.silence(now)
+            .is_some_and(|silence| silence > self.limit)
     }
 
     /// Times without forces so far, with the one that lasts.
@@ -204,7 +205,9 @@ mod tests {
         for k in 0..200 {
             dog.heard(back + Duration::from_micros(10 * k));
         }
-        let most = (0..200).map(|k| dog.gain(back + k * MS)).fold(0.0, f64::max);
+        let most = (0..200)
+            .map(|k| dog.gain(back + k * MS))
+            .fold(0.0, f64::max);
         assert!(most < 0.021, "{most}");
         assert_eq!(dog.gain(back + 62 * MS), 0.0);
     }
@@ -279,7 +282,10 @@ mod tests {
         let mut dog = Watchdog::new(false);
         dog.heard(begun);
         let felt = dog.felt(&force, begun + 50 * MS);
-        assert_eq!((felt, felt.force[1].to_bits()), (force, (-0.0f64).to_bits()));
+        assert_eq!(
+            (felt, felt.force[1].to_bits()),
+            (force, (-0.0f64).to_bits())
+        );
         let half = dog.felt(&force, begun + 55 * MS);
         assert!((half.torque[0] - 0.2).abs() < 1e-12);
         assert_eq!(half.flags, force_flags::RAMPING);

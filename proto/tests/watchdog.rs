@@ -14,7 +14,9 @@ enum At {
 
 /// Looks every three milliseconds while forces come at these times, ms.
 fn run(comes: &[u64], until: u64) -> Vec<At> {
-    let looks = (0..until).step_by(3).map(|ms| (ms * 1_000_000 + 300_000, false));
+    let looks = (0..until)
+        .step_by(3)
+        .map(|ms| (ms * 1_000_000 + 300_000, false));
     let mut all: Vec<(u64, bool)> = comes.iter().map(|ms| (ms * 1_000_000, true)).collect();
     all.extend(looks.filter(|(ns, _)| {
         // Between forces that come every millisecond nothing changes.
@@ -29,13 +31,22 @@ fn table() -> String {
     let every = |from: u64, to: u64, step: usize| (from..to).step_by(step).collect::<Vec<_>>();
     let runs = [
         // Forces stop, and come again for good.
-        (false, run(&[every(5, 40, 1), every(130, 245, 1)].concat(), 250)),
+        (
+            false,
+            run(&[every(5, 40, 1), every(130, 245, 1)].concat(), 250),
+        ),
         // They come again while the last one fades, and stop.
-        (false, run(&[every(0, 3, 1), every(56, 80, 1)].concat(), 150)),
+        (
+            false,
+            run(&[every(0, 3, 1), every(56, 80, 1)].concat(), 150),
+        ),
         // Rarely: each is too late.
         (false, run(&every(0, 300, 61), 310)),
         // With a deadband.
-        (true, run(&[every(0, 210, 50), every(400, 620, 50)].concat(), 720)),
+        (
+            true,
+            run(&[every(0, 210, 50), every(400, 620, 50)].concat(), 720),
+        ),
         // What had waited comes at once, and nothing follows.
         (
             false,

@@ -108,9 +108,8 @@ fn turn_after_turn<D: DeviceEnd>(
         let command = coupler.command(&answer_of(&force, newest.gain(now) == 0.0));
         // In lockstep every pose has its answer, and nothing else is said. In real time the last force fades
         // when no other comes.
-        let is_new = last.is_none_or(|(tick, told)| {
-            tick != force.tick || (!lockstep && told != command)
-        });
+        let is_new =
+            last.is_none_or(|(tick, told)| tick != force.tick || (!lockstep && told != command));
         if is_new && (!lockstep || answered > 0) {
             last = Some((force.tick, command));
             device.apply(&command).map_err(CoupleError::Device)?;

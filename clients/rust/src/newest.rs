@@ -110,7 +110,10 @@ mod tests {
         let begun = Instant::now();
         let mut newest = NewestForce::new(false, false);
         for k in 0..100 {
-            newest.offer(force(50_000 + u64::from(k), 9_000 + u64::from(k), 1.4), begun + k * MS);
+            newest.offer(
+                force(50_000 + u64::from(k), 9_000 + u64::from(k), 1.4),
+                begun + k * MS,
+            );
         }
         for k in 100..300 {
             newest.offer(force(u64::from(k), u64::from(k), 0.2), begun + k * MS);

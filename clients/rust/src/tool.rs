@@ -30,7 +30,8 @@ const RESEND: Duration = Duration::from_millis(100);
 
 /// A held tool. Its liveliness token lasts as long as it.
 ///
-/// Its forces are what a hand may feel: when they stop coming they fade to zero ([`Forces::get`]).
+/// Its forces are what a hand may feel: answers to its own poses, not to those of whoever holds the tool
+/// in its place, and when they stop coming they fade to zero ([`Forces::get`]).
 pub struct Tool {
     publisher: zenoh::pubsub::Publisher<'static>,
     forces: Forces,
@@ -55,20 +56,74 @@ pub struct Forces {
 }
 
 struct Shared {
-    newest: Mutex<NewestForce>,
+    state: Mutex<State>,
     arrived: Condvar,
 }
 
+struct State {
+    newest: NewestForce,
+    /// Of the tool's holder. `None`: whose poses are answered does not matter.
+    sent: Option<Sent>,
+}
+
+/// The poses of a tool, by which it knows its answers.
+struct Sent {
+    seq: u64,
+    /// Time of each, in the place of its number; as many as are under way at 4 kHz and two seconds of delay.
+    times_ns: Box<[u64; SENT]>,
+}
+
+const SENT: usize = 8192;
+
+impl Sent {
+    fn new() -> Self {
+        Self {
+            seq: 0,
+            times_ns: Box::new([0; SENT]),
+        }
+    }
+
+    fn note(&mut self, pose: &ToolPose) {
+        self.seq = pose.seq;
+        self.times_ns[pose.seq as usize % SENT] = pose.t_client_ns;
+    }
+
+    fn is_answer(&self, force: &ToolForce) -> bool {
+        let kept = (self.seq + 1).saturating_sub(SENT as u64).max(1)..=self.seq;
+        kept.contains(&force.pose_seq)
+            && self.times_ns[force.pose_seq as usize % SENT] == force.t_client_ns
+    }
+}
+
 impl Shared {
-    fn lock(&self) -> MutexGuard<'_, NewestForce> {
-        self.newest.lock().unwrap_or_else(PoisonError::into_inner)
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn take(&self, force: ToolForce) {
+        let mut state = self.lock();
+        // Whose token was lost hears the forces of the next holder: what that hand presses is not for ours.
+        if state
+            .sent
+            .as_ref()
+            .is_none_or(|sent| sent.is_answer(&force))
+        {
+            state.newest.offer(force, Instant::now());
+            drop(state);
+            self.arrived.notify_all();
+        }
     }
 }
 
 impl Forces {
-    fn subscribe(palpate: &Palpate, id: &str, newest: NewestForce) -> Result<Self, ClientError> {
+    fn subscribe(
+        palpate: &Palpate,
+        id: &str,
+        newest: NewestForce,
+        sent: Option<Sent>,
+    ) -> Result<Self, ClientError> {
         let shared = Arc::new(Shared {
-            newest: Mutex::new(newest),
+            state: Mutex::new(State { newest, sent }),
             arrived: Condvar::new(),
         });
         let told = shared.clone();
@@ -77,8 +132,7 @@ impl Forces {
             .declare_subscriber(palpate.keys().tool_force(id))
             .callback(move |sample| {
                 if let Ok(force) = decode::<ToolForce>(&sample.payload().to_bytes(), "") {
-                    told.lock().offer(force, Instant::now());
-                    told.arrived.notify_all();
+                    told.take(force);
                 }
             })
             .wait()
@@ -99,7 +153,7 @@ impl Forces {
 
     /// The newest force as it came, and what is known of the others.
     pub fn newest(&self) -> NewestForce {
-        *self.shared.lock()
+        self.shared.lock().newest
     }
 
     /// How long ago the newest force came; `None` before the first one. The daemon may be gone, and cannot
@@ -152,7 +206,7 @@ impl Palpate {
     pub fn forces(&self, tool: &str) -> Result<Forces, ClientError> {
         // Whether its holder has a deadband is not known here.
         let newest = NewestForce::new(self.is_timeless()?, true);
-        Forces::subscribe(self, tool, newest)
+        Forces::subscribe(self, tool, newest, None)
     }
 
     /// Time stands still between forces. A recording is played by the clock, whatever made it.
@@ -167,7 +221,8 @@ impl Tool {
     pub(crate) fn new(palpate: &Palpate, id: &str, lockstep: bool) -> Result<Self, ClientError> {
         let (session, keys) = (palpate.session(), palpate.keys());
         let timeless = lockstep && palpate.is_timeless()?;
-        let forces = Forces::subscribe(palpate, id, NewestForce::new(timeless, false))?;
+        let newest = NewestForce::new(timeless, false);
+        let forces = Forces::subscribe(palpate, id, newest, Some(Sent::new()))?;
         let publisher =
             publisher::<ToolPose>(session, keys.tool_pose(id)).map_err(ClientError::zenoh)?;
         let token = session
@@ -224,6 +279,9 @@ impl Tool {
             ..pose
         };
         self.last = Some(pose);
+        if let Some(sent) = &mut self.forces.shared.lock().sent {
+            sent.note(&pose);
+        }
         if let Some(announcement) = &self.announcement {
             announcement.repeat_if_due()?;
         }
@@ -258,7 +316,11 @@ impl Tool {
     /// No device can be like that, or Zenoh refused.
     pub fn announce(&mut self, info: &DeviceInfo) -> Result<(), ClientError> {
         let info = info.clone().validated()?;
-        self.forces.shared.lock().set_sparse(info.deadband > 0.0);
+        self.forces
+            .shared
+            .lock()
+            .newest
+            .set_sparse(info.deadband > 0.0);
         match &mut self.announcement {
             Some(announcement) => announcement.replace(&info),
             none => {
@@ -314,9 +376,9 @@ impl Tool {
     pub fn wait_force(&self, seq: u64, timeout: Duration) -> Option<ToolForce> {
         let started = Instant::now();
         let shared = &self.forces.shared;
-        let mut newest = shared.lock();
+        let mut state = shared.lock();
         loop {
-            let felt = newest.felt(Instant::now());
+            let felt = state.newest.felt(Instant::now());
             if let Some(force) = felt.filter(|force| force.pose_seq >= seq) {
                 return Some(force);
             }
@@ -328,15 +390,15 @@ impl Tool {
             };
             let (guard, waited) = shared
                 .arrived
-                .wait_timeout(newest, slice)
+                .wait_timeout(state, slice)
                 .unwrap_or_else(PoisonError::into_inner);
-            newest = guard;
+            state = guard;
             if waited.timed_out() && self.lockstep {
-                drop(newest);
+                drop(state);
                 if let Some(pose) = &self.last {
                     let _ = self.put(pose);
                 }
-                newest = shared.lock();
+                state = shared.lock();
             }
         }
     }
@@ -347,4 +409,53 @@ pub(crate) fn now_ns() -> u64 {
     SystemTime::now()
         .duration_since(UNIX_EPOCH)
         .map_or(0, |t| t.as_nanos() as u64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pose(seq: u64) -> ToolPose {
+        ToolPose {
+            seq,
+            t_client_ns: 1_000 + seq,
+            ..pose_at([0.0; 3])
+        }
+    }
+
+    fn answer(pose_seq: u64, t_client_ns: u64) -> ToolForce {
+        ToolForce {
+            tick: pose_seq,
+            pose_seq,
+            t_client_ns,
+            t_server_ns: 0,
+            force: [0.0; 3],
+            torque: [0.0; 3],
+            proxy_position: [0.0; 3],
+            proxy_orientation: [0.0, 0.0, 0.0, 1.0],
+            depth: 0.0,
+            contact_count: 0,
+            flags: 0,
+        }
+    }
+
+    #[test]
+    fn a_force_that_answers_the_pose_of_another_is_no_answer() {
+        let mut sent = Sent::new();
+        assert!(!sent.is_answer(&answer(0, 0)), "nothing was sent");
+        for seq in 1..=3 * SENT as u64 {
+            sent.note(&pose(seq));
+            assert!(sent.is_answer(&answer(seq, 1_000 + seq)));
+        }
+        let last = 3 * SENT as u64;
+        let oldest = last + 1 - SENT as u64;
+        assert!(sent.is_answer(&answer(oldest, 1_000 + oldest)));
+        for (seq, time) in [
+            (last, 7),
+            (oldest - 1, 1_000 + oldest - 1),
+            (last + 1, 1_000 + last + 1),
+        ] {
+            assert!(!sent.is_answer(&answer(seq, time)), "{seq} {time}");
+        }
+    }
 }

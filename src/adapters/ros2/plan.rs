@@ -138,12 +138,7 @@ fn is_name(name: &str) -> bool {
         && letters.all(|c| c.is_ascii_alphanumeric() || c == '_')
 }
 
-fn arm(
-    spec: &Ros2ToolSpec,
-    path: &str,
-    dt_s: f64,
-    problems: &mut Problems,
-) -> ArmPlan {
+fn arm(spec: &Ros2ToolSpec, path: &str, dt_s: f64, problems: &mut Problems) -> ArmPlan {
     let preset = preset(spec.preset);
     let namespace = spec.namespace.as_deref().unwrap_or(preset.namespace());
     let known = preset.settings(namespace);
