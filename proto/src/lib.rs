@@ -20,5 +20,7 @@ pub mod recording;
 pub mod rpc;
 #[cfg(feature = "schema")]
 pub mod schema;
+pub mod watchdog;
 
 pub use device::DeviceError;
+pub use watchdog::Watchdog;

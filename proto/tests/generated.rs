@@ -106,6 +106,7 @@ fn golden_in(compiler: &str, arguments: &[&str]) {
     );
     let checks = checks(&manifest.join("golden"));
     std::fs::write(directory.join("checks.inc"), checks.concat()).unwrap();
+    std::fs::write(directory.join("watchdog.inc"), watchdog(manifest)).unwrap();
     let compiled = Command::new(compiler)
         .args(arguments)
         .args(["-Wall", "-Wextra", "-Werror", "-pedantic", "-I"])
@@ -156,6 +157,16 @@ fn checks(golden: &Path) -> Vec<String> {
         )
     };
     paths.iter().map(line).collect()
+}
+
+/// The lines of `golden/watchdog.csv` as items of an array in C.
+fn watchdog(manifest: &Path) -> String {
+    let table = std::fs::read_to_string(manifest.join("golden/watchdog.csv")).unwrap();
+    let item = |line: &str| match line.strip_suffix(',') {
+        Some(line) => format!("{{{line},UINT64_MAX}},\n"),
+        None => format!("{{{line}u}},\n"),
+    };
+    table.lines().skip(1).map(item).collect()
 }
 
 #[test]

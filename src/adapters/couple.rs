@@ -2,7 +2,7 @@
 
 use palpate_client::proto::messages::{DeviceInfo, ToolForce, ToolPose, force_flags};
 use palpate_client::{ClientError, Tool};
-use palpate_devices::{Command, Coupler, DeviceEnd, Rest, State, ToolAnswer, ToolMotion};
+use palpate_devices::{Command, Coupler, DeviceEnd, Rest, ToolAnswer, ToolMotion};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -83,9 +83,8 @@ fn turn_after_turn<D: DeviceEnd>(
         stop,
     } = coupling;
     let lockstep = tool.is_lockstep();
-    let begun = Instant::now();
     let mut rate = Rate::new(info);
-    let mut last: Option<(u64, State)> = None;
+    let mut last: Option<(u64, Command)> = None;
     let mut answered = 0;
     while !stop.load(Ordering::Relaxed) {
         let patience = if lockstep { LOCKSTEP_TURN } else { TURN };
@@ -102,18 +101,17 @@ fn turn_after_turn<D: DeviceEnd>(
                 tool.announce(info)?;
             }
         }
-        let Some(force) = tool.force() else {
+        let (newest, now) = (tool.newest(), Instant::now());
+        let Some(force) = newest.felt(now) else {
             continue;
         };
-        let now_ns = begun.elapsed().as_nanos() as u64;
-        let command = coupler.command(&answer_of(&force), now_ns);
-        // In lockstep every pose has its answer, and nothing else is said.
-        let news = match lockstep {
-            true => answered > 0 && last.is_none_or(|(tick, _)| tick != force.tick),
-            false => last != Some((force.tick, command.state)),
-        };
-        if news {
-            last = Some((force.tick, command.state));
+        let command = coupler.command(&answer_of(&force, newest.gain(now) == 0.0));
+        // In lockstep every pose has its answer, and nothing else is said. In real time the last force fades
+        // when no other comes.
+        let is_new =
+            last.is_none_or(|(tick, told)| tick != force.tick || (!lockstep && told != command));
+        if is_new && (!lockstep || answered > 0) {
+            last = Some((force.tick, command));
             device.apply(&command).map_err(CoupleError::Device)?;
             report.commands += 1;
             let size = command.force.iter().map(|f| f * f).sum::<f64>().sqrt();
@@ -148,7 +146,7 @@ fn pose_of(motion: &ToolMotion) -> ToolPose {
     }
 }
 
-fn answer_of(force: &ToolForce) -> ToolAnswer {
+fn answer_of(force: &ToolForce, silent: bool) -> ToolAnswer {
     let has = |flag: u32| force.flags & flag != 0;
     ToolAnswer {
         tick: force.tick,
@@ -158,6 +156,7 @@ fn answer_of(force: &ToolForce) -> ToolAnswer {
         stale: has(force_flags::STALE),
         paused: has(force_flags::PAUSED),
         fault: has(force_flags::FAULT),
+        silent,
     }
 }
 

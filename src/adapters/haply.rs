@@ -160,7 +160,8 @@ impl HaplyEnd {
 
     /// The next text within `patience`.
     fn text(&mut self, patience: Duration) -> Result<Option<String>, HaplyLinkError> {
-        use std::io::ErrorKind::{TimedOut, WouldBlock};
+        // A process that was stopped and goes on finds its waits interrupted.
+        use std::io::ErrorKind::{Interrupted, TimedOut, WouldBlock};
         let timeout = patience.max(Duration::from_micros(100));
         let set = self.socket.get_ref().set_read_timeout(Some(timeout));
         set.map_err(|error| self.gone(error))?;
@@ -168,7 +169,9 @@ impl HaplyEnd {
             Ok(Message::Text(text)) => Ok(Some(text.to_string())),
             Ok(Message::Close(_)) => Err(self.gone("it closed the connection")),
             Ok(_) => Ok(None),
-            Err(tungstenite::Error::Io(error)) if matches!(error.kind(), WouldBlock | TimedOut) => {
+            Err(tungstenite::Error::Io(error))
+                if matches!(error.kind(), WouldBlock | TimedOut | Interrupted) =>
+            {
                 Ok(None)
             }
             Err(error) => Err(self.gone(error)),

@@ -201,7 +201,7 @@ fn program(
     let first = lock(shared).state();
     socket.send(Message::text(state_message(&[first], Some(session))))?;
     while !stop.load(Ordering::Relaxed) {
-        use std::io::ErrorKind::{TimedOut, WouldBlock};
+        use std::io::ErrorKind::{Interrupted, TimedOut, WouldBlock};
         let text = match socket.read() {
             Ok(Message::Text(text)) => {
                 place.waits();
@@ -209,7 +209,9 @@ fn program(
             }
             Ok(Message::Close(_)) => return Ok(()),
             Ok(_) => continue,
-            Err(tungstenite::Error::Io(error)) if matches!(error.kind(), WouldBlock | TimedOut) => {
+            Err(tungstenite::Error::Io(error))
+                if matches!(error.kind(), WouldBlock | TimedOut | Interrupted) =>
+            {
                 continue;
             }
             Err(error) => return Err(error),

@@ -8,8 +8,7 @@
 
 use super::unix_ns;
 use crate::door::{Door, Limits, Place};
-use palpate_client::proto::messages::ToolForce;
-use palpate_client::{Latest, Palpate, Tool, pose_at};
+use palpate_client::{Forces, Palpate, Tool, pose_at};
 use palpate_devices::igtl::{HEADER, Header, TrackedPose, transform};
 use std::collections::BTreeMap;
 use std::io::{ErrorKind, Read as _, Write as _};
@@ -143,8 +142,8 @@ fn serve(stream: &TcpStream, shared: &Shared, place: &Place) -> anyhow::Result<(
     stream.set_read_timeout(Some(TURN))?;
     stream.set_write_timeout(Some(PATIENCE))?;
     let palpate = Palpate::over(shared.session.clone(), &shared.instance)?;
-    let proxies: Vec<(&String, Latest<ToolForce>)> = (shared.tools.iter())
-        .map(|tool| Ok((tool, palpate.forces(tool)?)))
+    let mut proxies: Vec<(&String, Forces, u64)> = (shared.tools.iter())
+        .map(|tool| Ok((tool, palpate.forces(tool)?, 0)))
         .collect::<anyhow::Result<_>>()?;
     let gone = AtomicBool::new(false);
     std::thread::scope(|scope| {
@@ -153,7 +152,7 @@ fn serve(stream: &TcpStream, shared: &Shared, place: &Place) -> anyhow::Result<(
             gone.store(true, Ordering::Release);
             read
         });
-        let written = write_all(stream, &proxies, shared, &gone);
+        let written = write_all(stream, &mut proxies, shared, &gone);
         gone.store(true, Ordering::Release);
         let read = reader.join().unwrap_or(Ok(()));
         written.map_err(anyhow::Error::from).and(read)
@@ -162,13 +161,15 @@ fn serve(stream: &TcpStream, shared: &Shared, place: &Place) -> anyhow::Result<(
 
 fn write_all(
     mut stream: &TcpStream,
-    proxies: &[(&String, Latest<ToolForce>)],
+    proxies: &mut [(&String, Forces, u64)],
     shared: &Shared,
     gone: &AtomicBool,
 ) -> std::io::Result<()> {
     while !gone.load(Ordering::Acquire) && !shared.stop.load(Ordering::Acquire) {
-        for (tool, newest) in proxies {
-            if let Some(force) = newest.take() {
+        for (tool, forces, told) in &mut *proxies {
+            let newest = forces.newest();
+            let is_new = std::mem::replace(told, newest.received) != newest.received;
+            if let Some(force) = newest.force.filter(|_| is_new) {
                 let (at, turned) = (force.proxy_position, force.proxy_orientation);
                 stream.write_all(&transform(tool, force.t_server_ns, at, turned))?;
             }

@@ -216,7 +216,7 @@ impl Hands {
                     seed,
                 };
                 let passivity = (spec.passivity).then(|| PassivitySettings::of(model));
-                let servo = Servo::new(network, passivity, Instant::now(), false);
+                let servo = Servo::new(network, passivity);
                 let info = model.info(spec.delay_s);
                 hands.commands.push(Command::Device {
                     tool: index as u32,

@@ -11,9 +11,6 @@ use palpate_proto::messages::{SceneSnapshot, ToolForce, ToolPose};
 /// The hand feels nothing this long after the last news, ns: what clients promise.
 const SILENT_NS: u64 = 60_000_000;
 
-/// A fade in steps of a tenth leaves this of some newtons.
-const ROUNDED_N: f64 = 1e-12;
-
 /// A running client.
 pub(super) struct Client {
     device: SimulatedDevice,
@@ -49,12 +46,12 @@ impl Client {
         let motion = Motion::named(kind, scene, "ball", plan.depth_m).map_err(|e| e.to_string())?;
         let start = motion.goal(0.0).position;
         let settings = (plan.passivity).then(|| PassivitySettings::of(&plan.model));
-        let servo = Servo::new(Network::default(), settings, now(), false);
+        let servo = Servo::new(Network::default(), settings);
         Ok(Self {
             device: SimulatedDevice::new(plan.model.clone(), plan.hand.clone(), start, plan.seed),
             servo: servo.map_err(|error| error.to_string())?,
             motion,
-            newest: NewestForce::default(),
+            newest: NewestForce::new(false, false),
             sender: SenderId::of(Some(&[number; 8])),
             seq: 0,
             passivity: plan.passivity,
@@ -93,16 +90,16 @@ impl Client {
         }
         self.servo.collect(now_s);
         let dt_s = self.period_s();
-        let heard = Some((self.newest.received, now()));
+        let gain = Some(self.newest.gain(now()));
         let period = self
             .servo
-            .period(&mut self.device, &self.motion, dt_s, heard);
+            .period(&mut self.device, &self.motion, dt_s, gain);
         let felt_n = norm(period.sample.received_n);
         self.most_n = self.most_n.max(felt_n).max(norm(period.sample.applied_n));
         if let Some(heard_ns) = self.heard_ns {
             let silent_ns = super::now_ns() - heard_ns;
             let period_ns = (dt_s * 1e9) as u64;
-            if silent_ns > SILENT_NS + period_ns && felt_n > ROUNDED_N {
+            if silent_ns > SILENT_NS + period_ns && felt_n > 0.0 {
                 let silent_ms = silent_ns as f64 * 1e-6;
                 return Err(format!(
                     "the hand feels {felt_n} N {silent_ms:.3} ms after the last news"

@@ -568,6 +568,7 @@ impl BusThread {
             "devices": self.devices.report(|tool| scene.tool_id(tool)),
             "messages": ALL.iter().map(|message| message.name).collect::<Vec<_>>(),
             "methods": METHODS,
+            "lockstep": scene.clock == Clock::Lockstep,
             "played": self.rpc.plays(),
             "open": self.served.open,
             "recorder": self.tally.status().recorder,

@@ -57,5 +57,7 @@ mod surface_pipe;
 mod test_helper;
 mod trust;
 mod views;
+#[path = "watchdogs/mod.rs"]
+mod watchdogs;
 mod wire;
 mod workers;

@@ -219,7 +219,7 @@ fn a_seek_shows_the_net_and_the_force_of_its_tick() {
         if kept.ticks[tick as usize - 1].output.tools[0].pose_seq > 0 {
             let felt = until(
                 "the force",
-                || force.get(),
+                || force.newest().force,
                 |force| force.is_some_and(|force| force.tick == tick),
             )
             .unwrap();

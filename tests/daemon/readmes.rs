@@ -40,6 +40,10 @@ fn the_blocks_of_the_c_client_compile_and_run() {
                 "palpate_contact_set set; palpate_contact contact; if (palpate_contact_set_decode(&set, contacts, sizeof contacts) != PALPATE_OK) return 1;",
                 "if (items.next != items.end || contact.depth <= 0.0) return 1; printf(\"contacts read\\n\"); return 0;",
             ),
+            "watchdog" => (
+                "uint64_t now_ns = 1000000000u;",
+                "if (share != 1.0 || silence_ns != 0 || palpate_watchdog_gain(&dog, now_ns + 60000000u) != 0.0) return 1; return 0;",
+            ),
             _ => (
                 "",
                 "if (size == 0 || force.tick == 0) return 1; printf(\"%u bytes on %s\\n\", (unsigned)size, key); return 0;",

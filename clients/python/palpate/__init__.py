@@ -46,6 +46,7 @@ from .errors import (
 )
 from .events import *  # noqa: F403
 from .messages import *  # noqa: F403
+from .watchdog import Watchdog
 from .wire import MESSAGES, decode, encode, encoding_schema, to_json
 
 __version__ = "0.1.0"
@@ -155,6 +156,7 @@ __all__ = [
     "UnknownCase",
     "UnknownNameError",
     "UnreachableError",
+    "Watchdog",
     "WrongSchema",
     "decode",
     "encode",

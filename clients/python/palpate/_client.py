@@ -15,6 +15,7 @@ from .base import Message
 from .errors import DecodeError, NoAnswerError, UnknownCase
 from .events import EventKind  # noqa: F401  (part of what events() gives)
 from .messages import ContactSet, LoopStatus, SceneSnapshot, SimEvent, ToolContact, ToolForce
+from .watchdog import FRESH_SPARSE_S, Watchdog
 
 if TYPE_CHECKING:
     from ._daemon import Daemon
@@ -73,6 +74,11 @@ class Stream(Generic[T]):
         return None
 
     @property
+    def silence(self) -> Optional[float]:
+        """How long ago the newest message came, s; None before the first."""
+        return self._watch.silence
+
+    @property
     def dropped(self) -> int:
         """Messages that left unread because more than 65536 waited."""
         return self._watch.dropped
@@ -109,6 +115,47 @@ class Stream(Generic[T]):
         self.close()
 
 
+class _Forces(Stream[ToolForce]):
+    """Forces as they arrive. When they stop coming, the last one comes again while it fades, and at the end is zero."""
+
+    def __init__(self, watch: "_native.Watch") -> None:
+        super().__init__(watch, self._take, [])
+        # Whether the holder has a deadband is not known here.
+        self._watchdog = Watchdog(deadband=True)
+        #: The newest force, while it acts.
+        self._acts: Optional[ToolForce] = None
+
+    def _take(self, seen: "_native.Seen") -> Optional[ToolForce]:
+        force = _read(ToolForce, seen)
+        if force is None:
+            return None
+        # Of what waited to be read, the time counts at which it came.
+        came = time.monotonic() - seen.age
+        self._watchdog.heard(came)
+        self._acts = force if any(force.force) or any(force.torque) else None
+        return self._watchdog.felt(force, came)
+
+    def next(self, timeout: float = math.inf) -> Optional[ToolForce]:
+        """The next force, or None when none came within ``timeout`` seconds."""
+        deadline = time.monotonic() + timeout
+        while self._open:
+            wait = max(0.0, deadline - time.monotonic())
+            if self._acts is not None:
+                wait = min(wait, max(1e-3, FRESH_SPARSE_S - (self._watchdog.silence() or 0.0)))
+            force = super().next(wait)
+            if force is not None:
+                return force
+            now = time.monotonic()
+            if self._acts is not None and (self._watchdog.silence(now) or 0.0) > FRESH_SPARSE_S:
+                faded = self._watchdog.felt(self._acts, now)
+                if self._watchdog.gain(now) == 0.0:
+                    self._acts = None
+                return faded
+            if now >= deadline:
+                return None
+        return None
+
+
 class Rpc:
     """Commands of a daemon as methods: ``session.rpc.reset()``, ``session.rpc.merge(bodies=["a", "b"])``.
 
@@ -132,7 +179,12 @@ class Rpc:
 
 
 class Tool:
-    """A held tool. Leave its ``with``, or :meth:`close` it, to give it back."""
+    """A held tool. Leave its ``with``, or :meth:`close` it, to give it back.
+
+    Its forces are what a hand may feel: when none has come for 50 ms (100 ms with a deadband) the newest fades to zero
+    within 10 ms, because the daemon may be gone and cannot say so; when they come again it comes back over 100 ms.
+    Such a force has :attr:`palpate.ForceFlags.RAMPING`. In lockstep, where time stands still, none fades.
+    """
 
     def __init__(self, native: "_native.Tool", session: "Session") -> None:
         self._native = native
@@ -180,8 +232,13 @@ class Tool:
 
     @property
     def force(self) -> Optional[ToolForce]:
-        """The newest force; None before the first."""
+        """The newest force as it may act now; None before the first."""
         return self._native.force()
+
+    @property
+    def silence(self) -> Optional[float]:
+        """How long ago the newest force came, s; None before the first."""
+        return self._native.silence()
 
     @property
     def received(self) -> int:
@@ -210,7 +267,8 @@ class Tool:
         Parameters
         ----------
         pose
-            ``t`` in s from the start; ``force`` the newest :class:`palpate.ToolForce`, None before the first.
+            ``t`` in s from the start; ``force`` the newest :class:`palpate.ToolForce` as it may act now, None before
+            the first.
         rate
             Poses per second. In lockstep the step of ``t``: each pose then waits for its force.
         seconds
@@ -403,8 +461,17 @@ class Session:
         return self._stream(self._link.watch(f"body/{body}/net", True), lambda seen: Net(*seen.net()), [])
 
     def forces(self, tool: str) -> "Stream[ToolForce]":
-        """Forces of a tool that somebody else holds."""
-        return self._stream(self._link.watch(f"tool/{tool}/force", False), _reader(ToolForce), [])
+        """Forces of a tool that somebody else holds.
+
+        When none has come for 100 ms, the last one comes again while it fades to zero within 10 ms, and those that come
+        after it begin at zero, marked :attr:`palpate.ForceFlags.RAMPING`; not in lockstep, nor of a recording that is
+        played.
+        """
+        watch = self._link.watch(f"tool/{tool}/force", False)
+        about = self.info()
+        if about.get("lockstep") or about.get("played"):
+            return self._stream(watch, _reader(ToolForce), [])
+        return self._keep(_Forces(watch))
 
     def tool_contacts(self, tool: str) -> "Stream[ToolContact]":
         """What contacts do to a tool, every tick."""
@@ -425,7 +492,9 @@ class Session:
         return _show_session(self, width, height)
 
     def _stream(self, watch: "_native.Watch", read: Callable[["_native.Seen"], Optional[T]], past: "list[T]") -> "Stream[T]":
-        stream = Stream(watch, read, past)
+        return self._keep(Stream(watch, read, past))
+
+    def _keep(self, stream: "Stream[T]") -> "Stream[T]":
         self._open.append(stream)
         return stream
 
@@ -446,15 +515,16 @@ class Session:
 M = TypeVar("M", bound=Message)
 
 
-def _reader(kind: "type[M]") -> "Callable[[_native.Seen], Optional[M]]":
-    def read(seen: "_native.Seen") -> "Optional[M]":
-        try:
-            return wire.decode(kind, seen.payload)
-        except (UnknownCase, DecodeError):
-            # Newer than this version, or somebody else's; the daemon checks what it sends.
-            return None
+def _read(kind: "type[M]", seen: "_native.Seen") -> "Optional[M]":
+    try:
+        return wire.decode(kind, seen.payload)
+    except (UnknownCase, DecodeError):
+        # Newer than this version, or somebody else's; the daemon checks what it sends.
+        return None
 
-    return read
+
+def _reader(kind: "type[M]") -> "Callable[[_native.Seen], Optional[M]]":
+    return lambda seen: _read(kind, seen)
 
 
 def connect(

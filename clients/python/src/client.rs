@@ -177,7 +177,9 @@ impl Link {
                     waiting.pop_front();
                     *locked(&shared.dropped) += u64::from(most > 1);
                 }
-                waiting.push_back((seen.key, seen.bytes));
+                let now = Instant::now();
+                *locked(&shared.last) = Some(now);
+                waiting.push_back((now, seen.key, seen.bytes));
                 shared.arrived.notify_all();
             })
         });
@@ -216,7 +218,9 @@ impl Link {
 
 #[derive(Default)]
 struct Queue {
-    waiting: Mutex<VecDeque<(String, Vec<u8>)>>,
+    waiting: Mutex<VecDeque<(Instant, String, Vec<u8>)>>,
+    /// When the newest came.
+    last: Mutex<Option<Instant>>,
     dropped: Mutex<u64>,
     arrived: Condvar,
 }
@@ -246,14 +250,20 @@ impl Watch {
                 }
                 waiting.pop_front()
             });
-            if let Some((key, bytes)) = got {
-                return Ok(Some(Seen { key, bytes }));
+            if let Some((came, key, bytes)) = got {
+                return Ok(Some(Seen { came, key, bytes }));
             }
             py.check_signals()?;
             if Instant::now() >= deadline || locked(&self.subscriber).is_none() {
                 return Ok(None);
             }
         }
+    }
+
+    /// How long ago the newest message came, s; None before the first.
+    #[getter]
+    fn silence(&self) -> Option<f64> {
+        locked(&self.queue.last).map(|last| last.elapsed().as_secs_f64())
     }
 
     /// Messages that left unread because too many waited.
@@ -276,6 +286,7 @@ impl Watch {
 /// A message as it came.
 #[pyclass(frozen, module = "palpate._native")]
 pub struct Seen {
+    came: Instant,
     key: String,
     bytes: Vec<u8>,
 }
@@ -286,6 +297,12 @@ impl Seen {
     #[getter]
     fn key(&self) -> &str {
         &self.key
+    }
+
+    /// How long ago it came, s.
+    #[getter]
+    fn age(&self) -> f64 {
+        self.came.elapsed().as_secs_f64()
     }
 
     /// The message as bytes, in postcard.
@@ -427,10 +444,16 @@ impl Tool {
         }
     }
 
-    /// The newest force; None before the first.
+    /// The newest force as it may act now; None before the first.
     fn force<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         let force = self.with(py, |tool| tool.force())?;
         force.map(|force| force_message(py, &force)).transpose()
+    }
+
+    /// How long ago the newest force came, s; None before the first.
+    fn silence(&self, py: Python<'_>) -> PyResult<Option<f64>> {
+        let silence = self.with(py, |tool| tool.silence())?;
+        Ok(silence.map(|silence| silence.as_secs_f64()))
     }
 
     /// Forces received so far.

@@ -6,7 +6,7 @@ use palpate_proto::DeviceError;
 use palpate_proto::codec::{DecodeError, decode};
 use palpate_proto::keys::{IdError, Keys};
 use palpate_proto::messages::{
-    ControlNet, DeviceInfo, LoopStatus, Message, SceneSnapshot, SimEvent, ToolContact, ToolForce,
+    ControlNet, DeviceInfo, LoopStatus, Message, SceneSnapshot, SimEvent, ToolContact,
 };
 use palpate_proto::rpc::{Answer, Call, CallError, Done};
 use std::net::{TcpStream, ToSocketAddrs};
@@ -418,14 +418,6 @@ impl Palpate {
     /// Zenoh refused.
     pub fn nets(&self, body: &str) -> Result<Latest<ControlNet>, ClientError> {
         self.latest(self.keys.body_net(body))
-    }
-
-    /// The newest force of a tool, for those who watch and do not hold it.
-    ///
-    /// # Errors
-    /// Zenoh refused.
-    pub fn forces(&self, tool: &str) -> Result<Latest<ToolForce>, ClientError> {
-        self.latest(self.keys.tool_force(tool))
     }
 
     /// What contacts do to a tool, the newest, for those who watch.

@@ -8,7 +8,7 @@ use crate::publish::publisher;
 use palpate_proto::codec::{decode, encode};
 use palpate_proto::messages::{DeviceInfo, ToolContact, ToolForce, ToolPose};
 use std::sync::atomic::{AtomicU32, Ordering};
-use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use zenoh::Wait;
 
@@ -30,29 +30,141 @@ pub fn pose_at(position: [f64; 3]) -> ToolPose {
 const RESEND: Duration = Duration::from_millis(100);
 
 /// A held tool. Its liveliness token lasts as long as it.
+///
+/// Its forces are what a hand may feel: answers to its own poses, not to those of whoever holds the tool
+/// in its place, and when they stop coming they fade to zero ([`Forces::get`]).
 pub struct Tool {
     publisher: zenoh::pubsub::Publisher<'static>,
-    forces: Arc<Forces>,
+    forces: Forces,
     seq: u64,
     last: Option<ToolPose>,
     /// Goes with each pose: who sends it.
     holder: Vec<u8>,
     lockstep: bool,
-    /// The daemon may leave forces out.
-    sparse: bool,
     session: zenoh::Session,
     device_key: String,
     contact_key: String,
     announcement: Option<Announcement>,
     contact: Option<Latest<ToolContact>>,
-    _subscriber: zenoh::pubsub::Subscriber<()>,
     _token: zenoh::liveliness::LivelinessToken,
 }
 
-#[derive(Default)]
-struct Forces {
-    newest: Mutex<NewestForce>,
+/// Forces of a tool as they arrive: the newest, as it may act.
+#[derive(Clone)]
+pub struct Forces {
+    shared: Arc<Shared>,
+    _subscriber: Arc<zenoh::pubsub::Subscriber<()>>,
+}
+
+struct Shared {
+    state: Mutex<State>,
     arrived: Condvar,
+}
+
+struct State {
+    newest: NewestForce,
+    /// Of the tool's holder. `None`: whose poses are answered does not matter.
+    sent: Option<Sent>,
+}
+
+/// The poses of a tool, by which it knows its answers.
+struct Sent {
+    seq: u64,
+    /// Time of each, in the place of its number; as many as are under way at 4 kHz and two seconds of delay.
+    times_ns: Box<[u64; SENT]>,
+}
+
+const SENT: usize = 8192;
+
+impl Sent {
+    fn new() -> Self {
+        Self {
+            seq: 0,
+            times_ns: Box::new([0; SENT]),
+        }
+    }
+
+    fn note(&mut self, pose: &ToolPose) {
+        self.seq = pose.seq;
+        self.times_ns[pose.seq as usize % SENT] = pose.t_client_ns;
+    }
+
+    fn is_answer(&self, force: &ToolForce) -> bool {
+        let kept = (self.seq + 1).saturating_sub(SENT as u64).max(1)..=self.seq;
+        kept.contains(&force.pose_seq)
+            && self.times_ns[force.pose_seq as usize % SENT] == force.t_client_ns
+    }
+}
+
+impl Shared {
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn take(&self, force: ToolForce) {
+        let mut state = self.lock();
+        // Whose token was lost hears the forces of the next holder: what that hand presses is not for ours.
+        if state
+            .sent
+            .as_ref()
+            .is_none_or(|sent| sent.is_answer(&force))
+        {
+            state.newest.offer(force, Instant::now());
+            drop(state);
+            self.arrived.notify_all();
+        }
+    }
+}
+
+impl Forces {
+    fn subscribe(
+        palpate: &Palpate,
+        id: &str,
+        newest: NewestForce,
+        sent: Option<Sent>,
+    ) -> Result<Self, ClientError> {
+        let shared = Arc::new(Shared {
+            state: Mutex::new(State { newest, sent }),
+            arrived: Condvar::new(),
+        });
+        let told = shared.clone();
+        let subscriber = palpate
+            .session()
+            .declare_subscriber(palpate.keys().tool_force(id))
+            .callback(move |sample| {
+                // What comes under a pattern is not from who names this tool.
+                if is_one_key(sample.key_expr())
+                    && let Ok(force) = decode::<ToolForce>(&sample.payload().to_bytes(), "")
+                {
+                    told.take(force);
+                }
+            })
+            .wait()
+            .map_err(ClientError::zenoh)?;
+        Ok(Self {
+            shared,
+            _subscriber: Arc::new(subscriber),
+        })
+    }
+
+    /// The newest force as it may act now; `None` before the first. When none has come for 50 ms (100 ms with
+    /// a deadband, and for those who only watch) it fades to zero within 10 ms; when they come again, it comes
+    /// back over 100 ms. A force that is less than it came is marked
+    /// [`palpate_proto::messages::force_flags::RAMPING`]. In lockstep, where time stands still, none fades.
+    pub fn get(&self) -> Option<ToolForce> {
+        self.newest().felt(Instant::now())
+    }
+
+    /// The newest force as it came, and what is known of the others.
+    pub fn newest(&self) -> NewestForce {
+        self.shared.lock().newest
+    }
+
+    /// How long ago the newest force came; `None` before the first one. The daemon may be gone, and cannot
+    /// say so.
+    pub fn silence(&self) -> Option<Duration> {
+        self.newest().silence(Instant::now())
+    }
 }
 
 /// What goes along with poses and descriptions as Zenoh's attachment: daemons take those of one
@@ -90,27 +202,31 @@ impl Palpate {
         }
         Tool::new(self, id, scene.lockstep)
     }
+
+    /// Forces of a tool, for those who watch and do not hold it.
+    ///
+    /// # Errors
+    /// No answer, or Zenoh refused.
+    pub fn forces(&self, tool: &str) -> Result<Forces, ClientError> {
+        // Whether its holder has a deadband is not known here.
+        let newest = NewestForce::new(self.is_timeless()?, true);
+        Forces::subscribe(self, tool, newest, None)
+    }
+
+    /// Time stands still between forces. A recording is played by the clock, whatever made it.
+    fn is_timeless(&self) -> Result<bool, ClientError> {
+        let info: serde_json::Value =
+            serde_json::from_str(&self.info()?).map_err(ClientError::zenoh)?;
+        Ok(info["lockstep"] == true && info["played"] != true)
+    }
 }
 
 impl Tool {
     pub(crate) fn new(palpate: &Palpate, id: &str, lockstep: bool) -> Result<Self, ClientError> {
         let (session, keys) = (palpate.session(), palpate.keys());
-        let forces = Arc::new(Forces::default());
-        let shared = forces.clone();
-        let subscriber = session
-            .declare_subscriber(keys.tool_force(id))
-            .callback(move |sample| {
-                // What comes under a pattern is not from who names this tool.
-                if is_one_key(sample.key_expr())
-                    && let Ok(force) = decode::<ToolForce>(&sample.payload().to_bytes(), "")
-                {
-                    let mut newest = shared.newest.lock().unwrap_or_else(PoisonError::into_inner);
-                    newest.offer(force, Instant::now());
-                    shared.arrived.notify_all();
-                }
-            })
-            .wait()
-            .map_err(ClientError::zenoh)?;
+        let timeless = lockstep && palpate.is_timeless()?;
+        let newest = NewestForce::new(timeless, false);
+        let forces = Forces::subscribe(palpate, id, newest, Some(Sent::new()))?;
         let publisher =
             publisher::<ToolPose>(session, keys.tool_pose(id)).map_err(ClientError::zenoh)?;
         let token = session
@@ -125,13 +241,11 @@ impl Tool {
             last: None,
             holder: holder_id(session),
             lockstep,
-            sparse: false,
             session: session.clone(),
             device_key: keys.tool_device(id),
             contact_key: keys.tool_contact(id),
             announcement: None,
             contact: None,
-            _subscriber: subscriber,
             _token: token,
         })
     }
@@ -139,11 +253,6 @@ impl Tool {
     /// True when the daemon waits for each pose.
     pub fn is_lockstep(&self) -> bool {
         self.lockstep
-    }
-
-    /// True when a deadband was asked for: forces then come at least every 50 ms instead of every tick.
-    pub fn is_sparse(&self) -> bool {
-        self.sparse
     }
 
     /// Sends a pose; gives the `seq` it got. In lockstep the pose's own time is kept, so that
@@ -174,6 +283,9 @@ impl Tool {
             ..pose
         };
         self.last = Some(pose);
+        if let Some(sent) = &mut self.forces.shared.lock().sent {
+            sent.note(&pose);
+        }
         if let Some(announcement) = &self.announcement {
             announcement.repeat_if_due()?;
         }
@@ -191,8 +303,7 @@ impl Tool {
 
     /// Who sends, and what it has received: the daemon counts both.
     fn receipt(&self) -> Vec<u8> {
-        let newest = self.forces.newest.lock();
-        let newest = newest.unwrap_or_else(PoisonError::into_inner);
+        let newest = self.newest();
         let newest_ns = newest.force.map_or(0, |force| force.t_server_ns);
         let mut bytes = Vec::with_capacity(self.holder.len() + 16);
         bytes.extend_from_slice(&self.holder);
@@ -209,7 +320,11 @@ impl Tool {
     /// No device can be like that, or Zenoh refused.
     pub fn announce(&mut self, info: &DeviceInfo) -> Result<(), ClientError> {
         let info = info.clone().validated()?;
-        self.sparse = info.deadband > 0.0;
+        self.forces
+            .shared
+            .lock()
+            .newest
+            .set_sparse(info.deadband > 0.0);
         match &mut self.announcement {
             Some(announcement) => announcement.replace(&info),
             none => {
@@ -240,45 +355,35 @@ impl Tool {
         }
     }
 
-    /// The newest force.
+    /// The newest force as it may act now: zero when none has come for 60 ms ([`Forces::get`]).
     pub fn force(&self) -> Option<ToolForce> {
-        self.forces
-            .newest
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .force
+        self.forces.get()
     }
 
-    /// How long ago the last force came; `None` before the first one. Motors belong at zero when it is
-    /// more than 50 ms: the daemon may be gone, and cannot say so.
+    /// The newest force as it came, and what is known of the others.
+    pub fn newest(&self) -> NewestForce {
+        self.forces.newest()
+    }
+
+    /// How long ago the newest force came; `None` before the first one.
     pub fn silence(&self) -> Option<Duration> {
-        let newest = self.forces.newest.lock();
-        newest
-            .unwrap_or_else(PoisonError::into_inner)
-            .at
-            .map(|at| at.elapsed())
+        self.forces.silence()
     }
 
     /// Forces received so far.
     pub fn received(&self) -> u64 {
-        self.forces
-            .newest
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .received
+        self.newest().received
     }
 
-    /// Waits for a force that answers the pose `seq` or a later one. In lockstep the pose is sent
-    /// again now and then.
+    /// Waits for a force that answers the pose `seq` or a later one, and gives it as it may act then
+    /// ([`Forces::get`]). In lockstep the pose is sent again now and then.
     pub fn wait_force(&self, seq: u64, timeout: Duration) -> Option<ToolForce> {
         let started = Instant::now();
-        let mut newest = self
-            .forces
-            .newest
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner);
+        let shared = &self.forces.shared;
+        let mut state = shared.lock();
         loop {
-            if let Some(force) = newest.force.filter(|force| force.pose_seq >= seq) {
+            let felt = state.newest.felt(Instant::now());
+            if let Some(force) = felt.filter(|force| force.pose_seq >= seq) {
                 return Some(force);
             }
             let left = timeout.checked_sub(started.elapsed())?;
@@ -287,22 +392,17 @@ impl Tool {
             } else {
                 left
             };
-            let (guard, waited) = self
-                .forces
+            let (guard, waited) = shared
                 .arrived
-                .wait_timeout(newest, slice)
+                .wait_timeout(state, slice)
                 .unwrap_or_else(PoisonError::into_inner);
-            newest = guard;
+            state = guard;
             if waited.timed_out() && self.lockstep {
-                drop(newest);
+                drop(state);
                 if let Some(pose) = &self.last {
                     let _ = self.put(pose);
                 }
-                newest = self
-                    .forces
-                    .newest
-                    .lock()
-                    .unwrap_or_else(PoisonError::into_inner);
+                state = shared.lock();
             }
         }
     }
@@ -313,4 +413,53 @@ pub(crate) fn now_ns() -> u64 {
     SystemTime::now()
         .duration_since(UNIX_EPOCH)
         .map_or(0, |t| t.as_nanos() as u64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pose(seq: u64) -> ToolPose {
+        ToolPose {
+            seq,
+            t_client_ns: 1_000 + seq,
+            ..pose_at([0.0; 3])
+        }
+    }
+
+    fn answer(pose_seq: u64, t_client_ns: u64) -> ToolForce {
+        ToolForce {
+            tick: pose_seq,
+            pose_seq,
+            t_client_ns,
+            t_server_ns: 0,
+            force: [0.0; 3],
+            torque: [0.0; 3],
+            proxy_position: [0.0; 3],
+            proxy_orientation: [0.0, 0.0, 0.0, 1.0],
+            depth: 0.0,
+            contact_count: 0,
+            flags: 0,
+        }
+    }
+
+    #[test]
+    fn a_force_that_answers_the_pose_of_another_is_no_answer() {
+        let mut sent = Sent::new();
+        assert!(!sent.is_answer(&answer(0, 0)), "nothing was sent");
+        for seq in 1..=3 * SENT as u64 {
+            sent.note(&pose(seq));
+            assert!(sent.is_answer(&answer(seq, 1_000 + seq)));
+        }
+        let last = 3 * SENT as u64;
+        let oldest = last + 1 - SENT as u64;
+        assert!(sent.is_answer(&answer(oldest, 1_000 + oldest)));
+        for (seq, time) in [
+            (last, 7),
+            (oldest - 1, 1_000 + oldest - 1),
+            (last + 1, 1_000 + last + 1),
+        ] {
+            assert!(!sent.is_answer(&answer(seq, time)), "{seq} {time}");
+        }
+    }
 }

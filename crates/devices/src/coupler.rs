@@ -2,7 +2,7 @@
 //! make a force zero.
 
 use crate::frame::{Frame, v3};
-use crate::guard::{Cap, Freshness};
+use crate::guard::Cap;
 use crate::link::{Command, Reading, Rest, State, ToolAnswer};
 use crate::velocity::Differentiator;
 
@@ -23,9 +23,6 @@ pub struct CouplerSettings {
     pub fade_s: f64,
     /// Length of a tick, s.
     pub dt_s: f64,
-    /// Without a new force for so long, ns, the command is zero. `None` in lockstep, where forces
-    /// wait for poses.
-    pub silence_ns: Option<u64>,
 }
 
 impl Default for CouplerSettings {
@@ -41,7 +38,6 @@ impl Default for CouplerSettings {
             },
             fade_s: 0.1,
             dt_s: 1e-3,
-            silence_ns: Some(20_000_000),
         }
     }
 }
@@ -84,7 +80,6 @@ pub struct Coupler {
     last: Option<([f64; 3], [f64; 4])>,
     gain: f64,
     tick: Option<u64>,
-    answers: Option<Freshness>,
     refused: u64,
 }
 
@@ -103,7 +98,6 @@ impl Coupler {
             last: None,
             gain: 1.0,
             tick: None,
-            answers: settings.silence_ns.map(Freshness::new),
             refused: 0,
             settings,
         }
@@ -179,23 +173,14 @@ impl Coupler {
         }
     }
 
-    /// What the device's motors are to do for the newest answer. `now_ns` is any clock that does
-    /// not jump.
-    pub fn command(&mut self, answer: &ToolAnswer, now_ns: u64) -> Command {
+    /// What the device's motors are to do for the newest answer.
+    pub fn command(&mut self, answer: &ToolAnswer) -> Command {
         let passed = match self.tick {
             Some(tick) if tick == answer.tick => 0,
             Some(tick) => answer.tick.saturating_sub(tick).max(1),
             None => 1,
         };
         self.tick = Some(answer.tick);
-        if let Some(answers) = &mut self.answers {
-            if passed > 0 {
-                answers.renew(now_ns);
-            }
-            if !answers.is_fresh(now_ns) {
-                return Command::rest(Rest::Silent, answer.time_ns);
-            }
-        }
         let away = self.held.is_some() || answer.paused;
         let step = passed as f64 * self.settings.dt_s / self.settings.fade_s.max(1e-9);
         self.gain = match away {
@@ -205,6 +190,7 @@ impl Coupler {
         let why = match answer {
             ToolAnswer { fault: true, .. } => Some(Rest::Fault),
             ToolAnswer { stale: true, .. } => Some(Rest::Stale),
+            ToolAnswer { silent: true, .. } => Some(Rest::Silent),
             ToolAnswer { paused: true, .. } if self.gain == 0.0 => Some(Rest::Paused),
             _ => None,
         };

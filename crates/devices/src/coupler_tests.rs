@@ -21,6 +21,7 @@ fn answer(tick: u64, force: [f64; 3]) -> ToolAnswer {
         stale: false,
         paused: false,
         fault: false,
+        silent: false,
     }
 }
 
@@ -57,7 +58,7 @@ fn a_clutch_pressed_in_contact_neither_moves_the_tool_nor_steps_the_force() {
             assert_eq!(motion.linear_velocity, [0.0; 3]);
         }
         last_z = motion.position[2];
-        let command = coupler.command(&answer(k, [0.0, 0.0, wall(last_z)]), k * MS);
+        let command = coupler.command(&answer(k, [0.0, 0.0, wall(last_z)]));
         let force = command.force[2];
         if k > 1 {
             largest = largest.max((force - last_force).abs());
@@ -129,7 +130,7 @@ fn readings_that_are_not_finite_or_no_rotation_are_counted_and_left() {
 fn stale_fault_and_silence_are_zero_at_once_and_a_pause_fades() {
     let mut coupler = Coupler::new(CouplerSettings::default());
     let pressing = answer(1, [0.0, 0.0, 3.0]);
-    assert_eq!(coupler.command(&pressing, 0).force, [0.0, 0.0, 3.0]);
+    assert_eq!(coupler.command(&pressing).force, [0.0, 0.0, 3.0]);
     let told = [
         (
             ToolAnswer {
@@ -145,28 +146,30 @@ fn stale_fault_and_silence_are_zero_at_once_and_a_pause_fades() {
             },
             Rest::Fault,
         ),
+        (
+            ToolAnswer {
+                silent: true,
+                ..pressing
+            },
+            Rest::Silent,
+        ),
     ];
     for (answer, why) in told {
-        let command = coupler.command(&answer, 0);
+        let command = coupler.command(&answer);
         assert_eq!(
             (command.force, command.state),
             ([0.0; 3], State::Resting(why))
         );
     }
-    // The same tick again, 20 ms later and then 21.
-    assert_eq!(coupler.command(&pressing, 20 * MS).state, State::Active);
-    let silent = coupler.command(&pressing, 21 * MS);
-    assert_eq!(
-        (silent.force, silent.state),
-        ([0.0; 3], State::Resting(Rest::Silent))
-    );
+    // Silence ends with another force: how it comes back is not known here.
+    assert_eq!(coupler.command(&pressing).state, State::Active);
     let mut last = 3.0;
     for tick in 2..=101 {
         let paused = ToolAnswer {
             paused: true,
             ..answer(tick, [0.0, 0.0, 3.0])
         };
-        let command = coupler.command(&paused, (20 + tick) * MS);
+        let command = coupler.command(&paused);
         assert!(last - command.force[2] < 0.031, "{tick}");
         last = command.force[2];
         if tick == 101 {
@@ -178,10 +181,7 @@ fn stale_fault_and_silence_are_zero_at_once_and_a_pause_fades() {
 
 #[test]
 fn without_clutch_frame_or_cap_every_bit_passes() {
-    let mut coupler = Coupler::new(CouplerSettings {
-        silence_ns: None,
-        ..CouplerSettings::default()
-    });
+    let mut coupler = Coupler::new(CouplerSettings::default());
     let odd = Reading {
         velocity: Some([[-0.0, 0.1 + 0.2, 1e-300], [0.3; 3]]),
         orientation: [0.0, 0.6, 0.0, 0.8],
@@ -199,7 +199,7 @@ fn without_clutch_frame_or_cap_every_bit_passes() {
     );
     assert_eq!(motion.buttons, 1);
     let force = [-0.0, 0.1 + 0.2, 1e-12];
-    let command = coupler.command(&answer(1, force), 0);
+    let command = coupler.command(&answer(1, force));
     assert_eq!(command.force.map(f64::to_bits), force.map(f64::to_bits));
 }
 

@@ -34,34 +34,6 @@ fn shortened(vector: [f64; 3], most: f64) -> [f64; 3] {
     }
 }
 
-/// Whether something that repeats has come recently enough.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Freshness {
-    limit_ns: u64,
-    last_ns: Option<u64>,
-}
-
-impl Freshness {
-    /// Nothing has come. After `limit_ns` without news what came is no longer fresh.
-    pub fn new(limit_ns: u64) -> Self {
-        Self {
-            limit_ns,
-            last_ns: None,
-        }
-    }
-
-    /// Something came.
-    pub fn renew(&mut self, now_ns: u64) {
-        self.last_ns = Some(now_ns);
-    }
-
-    /// Something came, and not too long ago.
-    pub fn is_fresh(&self, now_ns: u64) -> bool {
-        self.last_ns
-            .is_some_and(|last| now_ns.saturating_sub(last) <= self.limit_ns)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -83,13 +55,5 @@ mod tests {
         for nonsense in [f64::NAN, f64::INFINITY] {
             assert_eq!(cap.limit([nonsense, 0.0, 1.0], [0.0; 3]).0, [0.0; 3]);
         }
-    }
-
-    #[test]
-    fn nothing_is_fresh_before_it_came_or_too_long_after() {
-        let mut fresh = Freshness::new(20);
-        assert!(!fresh.is_fresh(0));
-        fresh.renew(100);
-        assert!(fresh.is_fresh(120) && !fresh.is_fresh(121));
     }
 }

@@ -21,6 +21,6 @@ mod velocity;
 
 pub use coupler::{Coupler, CouplerSettings, ToolMotion};
 pub use frame::{Frame, FrameError};
-pub use guard::{Cap, Freshness};
+pub use guard::Cap;
 pub use link::{Command, DeviceEnd, Reading, Rest, State, ToolAnswer};
 pub use velocity::Differentiator;

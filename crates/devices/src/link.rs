@@ -84,6 +84,8 @@ pub struct ToolAnswer {
     pub paused: bool,
     /// A tick failed.
     pub fault: bool,
+    /// Forces have stopped coming, and this one has faded away.
+    pub silent: bool,
 }
 
 /// A device, whatever it speaks. Each is one file: how readings come, and how commands go.

@@ -187,3 +187,64 @@ static inline size_t palpate_join(char *out, size_t room, const char *const *par
   *out = '\0';
   return length;
 }
+
+/*
+ * When a force is too old to act: a daemon that dies, is stopped or is cut off cannot send zero.
+ *
+ *   palpate_watchdog dog;
+ *   palpate_watchdog_init(&dog, false);
+ *   palpate_watchdog_heard(&dog, now_ns);         each time a force comes
+ *   share = palpate_watchdog_gain(&dog, now_ns);  each servo period: of the newest force and torque
+ *
+ * The share is 1 while forces come, 0 within 60 ms of the last one (110 with a deadband), and rises to 1
+ * over 100 ms when they come again. Times are of one clock that does not jump, such as CLOCK_MONOTONIC.
+ */
+typedef struct palpate_watchdog {
+  uint64_t limit_ns;
+  bool any;
+  uint64_t last_ns;
+  double gain;        /* when the last one came */
+  uint64_t since_ns;  /* when forces began to come, at first or again, and the gain then */
+  double from;
+} palpate_watchdog;
+
+/* Nothing has come yet. `deadband`: the device asked for one, so the daemon may leave forces out. */
+static inline void palpate_watchdog_init(palpate_watchdog *dog, bool deadband) {
+  memset(dog, 0, sizeof *dog);
+  dog->limit_ns = deadband ? 100000000u : 50000000u;
+}
+
+/* How long ago the last force came, ns; UINT64_MAX before the first. */
+static inline uint64_t palpate_watchdog_silence_ns(const palpate_watchdog *dog, uint64_t now_ns) {
+  if (!dog->any) return UINT64_MAX;
+  return now_ns > dog->last_ns ? now_ns - dog->last_ns : 0;
+}
+
+/* The share of the newest force and torque that may act now, 0 to 1; 0 before the first. */
+static inline double palpate_watchdog_gain(const palpate_watchdog *dog, uint64_t now_ns) {
+  const uint64_t age_ns = palpate_watchdog_silence_ns(dog, now_ns);
+  const uint64_t held_ns = age_ns < dog->limit_ns ? age_ns : dog->limit_ns;
+  /*
+   * It rises for as long as forces have been coming: those that waited while this process or the link
+   * stood still come all at once, and may be as old as that.
+   */
+  const double most = dog->from + (double)(dog->last_ns - dog->since_ns) / 1e8;
+  double gain = dog->gain + (double)held_ns / 1e8;
+  if (!dog->any) return 0.0;
+  if (gain > most) gain = most;
+  if (gain > 1.0) gain = 1.0;
+  gain -= (double)(age_ns - held_ns) / 1e7;
+  return gain > 0.0 ? gain : 0.0;
+}
+
+/* A force came. */
+static inline void palpate_watchdog_heard(palpate_watchdog *dog, uint64_t now_ns) {
+  const double gain = dog->any ? palpate_watchdog_gain(dog, now_ns) : 1.0;
+  if (!dog->any || palpate_watchdog_silence_ns(dog, now_ns) > dog->limit_ns) {
+    dog->since_ns = now_ns;
+    dog->from = gain;
+  }
+  if (!dog->any || now_ns > dog->last_ns) dog->last_ns = now_ns;
+  dog->gain = gain;
+  dog->any = true;
+}

@@ -1,4 +1,4 @@
-/* Decodes and encodes the golden messages with palpate.h: golden DIRECTORY. */
+/* Decodes and encodes the golden messages with palpate.h, and runs its watchdog: golden DIRECTORY. */
 
 #include "palpate.h"
 
@@ -115,11 +115,44 @@ static void check_values(const char *directory) {
   if (strcmp(PALPATE_TOOL_POSE_SCHEMA, "postcard;palpate.ToolPose.v1") != 0) fail("tool_pose", "schema");
 }
 
+/* A line of golden/watchdog.csv. */
+typedef struct line {
+  int run, deadband;
+  uint64_t time_ns;
+  int comes;
+  double gain;
+  uint64_t silence_ns;
+} line;
+
+static void check_watchdog(void) {
+  static const line lines[] = {
+#include "watchdog.inc"
+  };
+  palpate_watchdog dog;
+  int run = -1;
+  palpate_watchdog_init(&dog, false);
+  if (palpate_watchdog_gain(&dog, 7) != 0.0 || palpate_watchdog_silence_ns(&dog, 7) != UINT64_MAX)
+    fail("watchdog", "before the first force");
+  for (size_t k = 0; k < sizeof lines / sizeof lines[0]; k++) {
+    const line *at = &lines[k];
+    double off;
+    if (at->run != run) palpate_watchdog_init(&dog, at->deadband != 0);
+    run = at->run;
+    if (at->comes != 0) palpate_watchdog_heard(&dog, at->time_ns);
+    off = palpate_watchdog_gain(&dog, at->time_ns) - at->gain;
+    if (off > 1e-12 || off < -1e-12 || palpate_watchdog_silence_ns(&dog, at->time_ns) != at->silence_ns) {
+      fprintf(stderr, "watchdog: run %d at %lu ns is off by %g\n", run, (unsigned long)at->time_ns, off);
+      exit(1);
+    }
+  }
+}
+
 int main(int count, char **arguments) {
   const char *directory = count > 1 ? arguments[1] : ".";
   /* A CHECK for each golden file, which the test writes from what is there. */
 #include "checks.inc"
   check_values(directory);
+  check_watchdog();
   printf("%d messages\n", messages);
   return 0;
 }

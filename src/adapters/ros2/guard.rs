@@ -1,11 +1,12 @@
 //! A guard beside a CRTK driver: forces pass while they are fresh.
 //!
 //! Drivers such as sawSensablePhantom apply the last `servo_cf` for ever. The guard runs on the driver's
-//! machine, takes forces from `NS/palpate/servo_cf` and hands them to the driver; when none comes for
-//! 20 ms, whatever the reason, it sends zero and `free`.
+//! machine, takes forces from `NS/palpate/servo_cf` and hands them to the driver; when none comes, whatever
+//! the reason, it fades the last one as every client does ([`Watchdog`]), and sends zero and `free`.
 
 use super::super::unix_ns;
 use super::node::{Intake, RosNode};
+use palpate_client::Watchdog;
 use palpate_devices::Cap;
 use palpate_devices::ros2::{Bool, Empty, Header, Qos, WrenchStamped};
 use std::sync::Arc;
@@ -13,8 +14,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, sync_channel};
 use std::time::{Duration, Instant};
 
-/// Without a force for so long the driver gets zero.
-pub const FRESH: Duration = Duration::from_millis(20);
+/// Between two looks at how old the last force is.
+const TURN: Duration = Duration::from_millis(1);
 const QUEUE: usize = 256;
 
 /// What a guard did.
@@ -45,10 +46,9 @@ pub fn guard_crtk(
         node.publisher::<Bool>(&topic("body/set_cf_orientation_absolute"), Qos::Reliable)?;
     let (queue, inputs) = sync_channel(QUEUE);
     let intake = Arc::new(Intake::default());
-    let take = move |wrench: WrenchStamped, _| drop(queue.try_send(wrench));
+    let take = move |wrench: WrenchStamped, _| drop(queue.try_send((Instant::now(), wrench)));
     let _receiver = node.subscriber(&topic("palpate/servo_cf"), Qos::Newest, &intake, take)?;
     let mut report = GuardReport::default();
-    let mut last: Option<(Instant, String)> = None;
     let rest = |frame: &str| {
         forces.put(&WrenchStamped {
             header: Header::new(unix_ns(), frame),
@@ -57,35 +57,52 @@ pub fn guard_crtk(
         });
         free.put(&Empty::default());
     };
+    // A guard that was started again comes to a force that acts already.
+    let mut watchdog = Watchdog::new(false).from_nothing();
+    let mut newest: Option<WrenchStamped> = None;
+    let (mut resting, mut told) = (true, 0.0);
     while !stop.load(Ordering::Relaxed) {
-        let left = last
-            .as_ref()
-            .map_or(FRESH, |(at, _)| FRESH.saturating_sub(at.elapsed()));
-        match inputs.recv_timeout(left) {
-            Ok(mut wrench) => {
-                while let Ok(newer) = inputs.try_recv() {
-                    wrench = newer;
-                }
-                if last.is_none() {
-                    absolute.put(&Bool { data: true });
-                }
-                (wrench.force, wrench.torque) = cap.limit(wrench.force, wrench.torque);
-                last = Some((Instant::now(), wrench.header.frame_id.clone()));
-                forces.put(&wrench);
-                report.passed += 1;
-            }
-            Err(RecvTimeoutError::Timeout) => {
-                if let Some((_, frame)) = last.take() {
-                    rest(&frame);
-                    report.stopped += 1;
-                    tracing::warn!(namespace, "forces stopped: the device is free");
+        let mut came = false;
+        match inputs.recv_timeout(TURN) {
+            Ok(first) => {
+                for (at, mut wrench) in std::iter::once(first).chain(inputs.try_iter()) {
+                    watchdog.heard(at);
+                    (wrench.force, wrench.torque) = cap.limit(wrench.force, wrench.torque);
+                    newest = Some(wrench);
+                    came = true;
                 }
             }
+            Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => break,
         }
+        let Some(wrench) = &newest else {
+            continue;
+        };
+        let gain = watchdog.gain(Instant::now());
+        if gain == 0.0 {
+            if !resting {
+                rest(&wrench.header.frame_id);
+                report.stopped += 1;
+                tracing::warn!(namespace, "forces stopped: the device is free");
+            }
+            resting = true;
+        } else if came || gain != told {
+            if resting {
+                absolute.put(&Bool { data: true });
+            }
+            resting = false;
+            let mut felt = wrench.clone();
+            if gain < 1.0 {
+                felt.force = felt.force.map(|f| f * gain);
+                felt.torque = felt.torque.map(|t| t * gain);
+            }
+            forces.put(&felt);
+            report.passed += u64::from(came);
+        }
+        told = gain;
     }
-    if let Some((_, frame)) = last {
-        rest(&frame);
+    if let Some(wrench) = newest.filter(|_| !resting) {
+        rest(&wrench.header.frame_id);
     }
     Ok(report)
 }

@@ -13,7 +13,7 @@ mod scenery;
 mod sim_arm;
 
 pub use arm::RosArm;
-pub use guard::{FRESH, GuardReport, guard_crtk};
+pub use guard::{GuardReport, guard_crtk};
 pub use node::{Intake, RosNode, RosPublisher, RosReceiver, TriggerCall};
 pub use plan::{ArmPlan, Plan};
 pub use sim_arm::{ArmReport, simulate_arm};

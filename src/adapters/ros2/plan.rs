@@ -82,7 +82,7 @@ impl Plan {
                 let words = format!("tool {:?} has its topics already", tool.tool);
                 problems.add(format!("{path}.tool"), words);
             }
-            arms.push(arm(tool, &path, lockstep, dt_s, &mut problems));
+            arms.push(arm(tool, &path, dt_s, &mut problems));
         }
         problems.into_result()?;
         Ok(Self {
@@ -138,13 +138,7 @@ fn is_name(name: &str) -> bool {
         && letters.all(|c| c.is_ascii_alphanumeric() || c == '_')
 }
 
-fn arm(
-    spec: &Ros2ToolSpec,
-    path: &str,
-    lockstep: bool,
-    dt_s: f64,
-    problems: &mut Problems,
-) -> ArmPlan {
+fn arm(spec: &Ros2ToolSpec, path: &str, dt_s: f64, problems: &mut Problems) -> ArmPlan {
     let preset = preset(spec.preset);
     let namespace = spec.namespace.as_deref().unwrap_or(preset.namespace());
     let known = preset.settings(namespace);
@@ -185,7 +179,6 @@ fn arm(
                 torque_nm: known.torque_max_nm,
             },
             dt_s,
-            silence_ns: CouplerSettings::default().silence_ns.filter(|_| !lockstep),
             ..CouplerSettings::default()
         },
     };

@@ -26,7 +26,7 @@ use futures_util::{SinkExt as _, StreamExt as _};
 use outlet::{Outlet, Pace};
 use palpate_client::proto::messages::ToolContact;
 use palpate_client::proto::rpc::Call;
-use palpate_client::{Latest, Palpate};
+use palpate_client::{Forces, Latest, Palpate};
 use palpate_devices::ros2::{ButtonKind, ForceKind};
 use palpate_devices::rosbridge::{
     Request, publish, read_buttons, read_pose, read_request, read_twist, same_type,
@@ -47,8 +47,8 @@ const MOST_CLIENTS: usize = 8;
 const FRAMES: usize = 256;
 /// Longest frame, bytes.
 const MOST_BYTES: usize = 64 << 10;
-/// Between two looks at contact wrenches.
-const CONTACTS_EVERY: Duration = Duration::from_millis(10);
+/// Between two looks at contact wrenches and at how old forces are.
+const WATCHED_EVERY: Duration = Duration::from_millis(10);
 /// A tool that could not be taken is tried again after this.
 const AGAIN: Duration = Duration::from_secs(1);
 /// Services of one client under way.
@@ -153,7 +153,7 @@ async fn serve(socket: WebSocket, hub: Arc<Hub>) {
         hub,
         outlet: outlet.clone(),
         grips: BTreeMap::new(),
-        contacts: BTreeMap::new(),
+        watched: BTreeMap::new(),
         calls: Arc::default(),
         gone: Arc::default(),
     };
@@ -232,6 +232,7 @@ enum Part {
     Force(ForceKind),
     Free,
     Contact,
+    Silence,
 }
 
 impl Part {
@@ -248,6 +249,7 @@ impl Part {
             Self::Force(ForceKind::Float64MultiArray) => "std_msgs/Float64MultiArray",
             Self::Force(ForceKind::OmniFeedback) => "omni_msgs/OmniFeedback",
             Self::Free => "std_msgs/Empty",
+            Self::Silence => "std_msgs/Float64",
         }
     }
 
@@ -262,7 +264,8 @@ fn parts<'a>(arm: &'a ArmPlan, node: &str) -> Vec<(String, Part)> {
     let mut parts = vec![
         (arm.pose.clone(), Part::Pose),
         (arm.force.clone(), Part::Force(arm.force_kind)),
-        (contact_topic(arm, node), Part::Contact),
+        (own_topic(arm, node, "measured_cf"), Part::Contact),
+        (own_topic(arm, node, "silence"), Part::Silence),
     ];
     parts.extend(topic(&arm.velocity, Part::Velocity));
     parts.extend(topic(&arm.free, Part::Free));
@@ -270,8 +273,16 @@ fn parts<'a>(arm: &'a ArmPlan, node: &str) -> Vec<(String, Part)> {
     parts
 }
 
-fn contact_topic(arm: &ArmPlan, node: &str) -> String {
-    format!("/{node}/{}/measured_cf", arm.tool.replace('-', "_"))
+fn own_topic(arm: &ArmPlan, node: &str, name: &str) -> String {
+    format!("/{node}/{}/{name}", arm.tool.replace('-', "_"))
+}
+
+/// What is told of a tool for as long as a client wants it.
+enum Watched {
+    /// What contacts do.
+    Contacts(Latest<ToolContact>),
+    /// How old the newest force is.
+    Silence(Forces),
 }
 
 /// One client, on a thread of its own.
@@ -282,8 +293,8 @@ struct Client {
     outlet: Arc<Outlet>,
     /// By arm: the tool that it moves, and since when it tries.
     grips: BTreeMap<usize, (Grip, Instant)>,
-    /// By arm: what contacts do, while it is wanted.
-    contacts: BTreeMap<usize, Latest<ToolContact>>,
+    /// By topic.
+    watched: BTreeMap<String, Watched>,
     /// Each call under way has one.
     calls: Arc<()>,
     /// Its socket is closed.
@@ -292,10 +303,11 @@ struct Client {
 
 impl Client {
     fn run(mut self, inbox: &Receiver<String>) {
+        let mut told = Instant::now();
         loop {
-            let frame = match self.contacts.is_empty() {
+            let frame = match self.watched.is_empty() {
                 true => inbox.recv().map_err(|_| RecvTimeoutError::Disconnected),
-                false => inbox.recv_timeout(CONTACTS_EVERY),
+                false => inbox.recv_timeout(WATCHED_EVERY),
             };
             match frame {
                 // What a client that is gone has left behind moves nothing.
@@ -304,7 +316,10 @@ impl Client {
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => return,
             }
-            self.tell_contacts();
+            if told.elapsed() >= WATCHED_EVERY {
+                told = Instant::now();
+                self.tell_watched();
+            }
         }
     }
 
@@ -347,10 +362,8 @@ impl Client {
             }
             Request::Unsubscribe { topic, id } => {
                 self.outlet.unsubscribe(&topic, id.as_deref());
-                if let Ok((arm, Part::Contact)) = self.find(&topic)
-                    && !self.outlet.wants(&topic)
-                {
-                    self.contacts.remove(&arm);
+                if !self.outlet.wants(&topic) {
+                    self.watched.remove(&topic);
                 }
                 Ok(())
             }
@@ -467,10 +480,15 @@ impl Client {
         }
         // Under the name by which it is published.
         self.outlet.subscribe(topic, id.unwrap_or_default(), pace);
-        if part == Part::Contact && !self.contacts.contains_key(&k) {
+        if matches!(part, Part::Contact | Part::Silence) && !self.watched.contains_key(topic) {
             let tool = self.hub.plan.arms[k].tool.clone();
-            let newest = self.palpate()?.contacts(&tool).map_err(|e| e.to_string())?;
-            self.contacts.insert(k, newest);
+            let palpate = self.palpate()?;
+            let watched = match part {
+                Part::Contact => palpate.contacts(&tool).map(Watched::Contacts),
+                _ => palpate.forces(&tool).map(Watched::Silence),
+            };
+            let watched = watched.map_err(|error| error.to_string())?;
+            self.watched.insert(topic.to_owned(), watched);
         }
         Ok(())
     }
@@ -483,14 +501,20 @@ impl Client {
         self.palpate.as_ref().ok_or_else(String::new)
     }
 
-    fn tell_contacts(&self) {
-        let plan = &self.hub.plan;
-        for (k, newest) in &self.contacts {
-            if let Some(contact) = newest.take() {
-                let topic = contact_topic(&plan.arms[*k], &plan.node);
-                let msg = wrench(super::unix_ns(), &plan.frame, contact.force, contact.torque);
-                let text: Arc<str> = publish(&topic, &msg).into();
-                self.outlet.offer(&topic, &text);
+    fn tell_watched(&self) {
+        for (topic, watched) in &self.watched {
+            let msg = match watched {
+                Watched::Contacts(newest) => newest.take().map(|contact| {
+                    let (now_ns, frame) = (super::unix_ns(), &self.hub.plan.frame);
+                    wrench(now_ns, frame, contact.force, contact.torque)
+                }),
+                Watched::Silence(forces) => {
+                    (forces.silence()).map(|silence| json!({ "data": silence.as_secs_f64() }))
+                }
+            };
+            if let Some(msg) = msg {
+                let text: Arc<str> = publish(topic, &msg).into();
+                self.outlet.offer(topic, &text);
             }
         }
     }

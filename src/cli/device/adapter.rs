@@ -40,7 +40,7 @@ pub struct AdapterArgs {
     /// With --as haply: move on by one servo period for each message instead of with time.
     #[arg(long, requires = "pretend")]
     per_message: bool,
-    /// Stand beside a driver and hand its forces on only while they are fresh (20 ms): crtk, in
+    /// Stand beside a driver and hand its forces on only while they are fresh (50 ms): crtk, in
     /// NAMESPACE.
     #[arg(long, value_name = "KIND", value_parser = ["crtk"], conflicts_with_all = ["hardware", "pretend"])]
     pub guard: Option<String>,
@@ -101,12 +101,10 @@ pub fn drive(args: &Args) -> anyhow::Result<Outcome> {
         deadband: 0.0,
     };
     super::announce(&palpate, &mut tool, tool_id, &info)?;
-    let lockstep = tool.is_lockstep();
     let coupler = Coupler::new(CouplerSettings {
         clutch_button: Some(1),
         cap,
         dt_s: palpate.scene()?.dt_ns as f64 * 1e-9,
-        silence_ns: CouplerSettings::default().silence_ns.filter(|_| !lockstep),
         ..CouplerSettings::default()
     });
     let stop = stop_after(args.duration);

@@ -274,6 +274,49 @@ fn a_service_that_closes_or_sends_half_a_frame_ends_the_adapter_with_a_word() {
     );
 }
 
+// A wait with a timeout is interrupted when the process that waits is stopped and goes on; it was taken for the end of
+// the connection.
+#[test]
+fn an_adapter_that_is_stopped_and_goes_on_still_drives_its_device() {
+    use rustix::process::{Pid, Signal, kill_process};
+    let directory = tempfile::tempdir().unwrap();
+    let daemon = Daemon::start(directory.path(), SCENE, &[]);
+    let (asked, heard) = std::sync::mpsc::channel();
+    let waiting = pretend(state(&["049D"]), move |mut socket| {
+        let _ = socket.read();
+        let _ = asked.send(());
+        // It lets the adapter wait.
+        let _ = socket.read();
+    });
+    let mut adapter = Command::new(PROGRAM)
+        .args([
+            "device",
+            "--tool",
+            "ball",
+            "--hardware",
+            "haply",
+            "--uri",
+            &waiting,
+        ])
+        .args(["--connect", &daemon.endpoint, "--for", "60s"])
+        .stdin(Stdio::null())
+        .spawn()
+        .unwrap();
+    heard.recv_timeout(Duration::from_secs(60)).unwrap();
+    // Less than the five seconds after which it gives a service up.
+    std::thread::sleep(Duration::from_millis(300));
+    for _ in 0..30 {
+        for signal in [Signal::STOP, Signal::CONT] {
+            kill_process(Pid::from_child(&adapter), signal).unwrap();
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+    let ended = adapter.try_wait().unwrap();
+    let _ = adapter.kill();
+    let _ = adapter.wait();
+    assert_eq!(ended, None);
+}
+
 #[test]
 fn of_two_devices_one_must_be_named_and_unknown_ones_and_dead_services_are_told() {
     let directory = tempfile::tempdir().unwrap();

@@ -214,6 +214,28 @@ fn a_client_presses_and_leaves_the_tool_to_the_next() {
 }
 
 #[test]
+fn a_client_can_ask_how_old_the_newest_force_is() {
+    // In lockstep: without poses there are no forces.
+    let (_files, _daemon, port) = start(&["--clock", "lockstep"]);
+    let silence = "/palpate/ball/silence";
+    let mut bridge = Bridge::open(port);
+    bridge.subscribe(FORCE);
+    bridge.send(&json!({ "op": "subscribe", "topic": silence, "type": "std_msgs/Float64" }));
+    for k in 1..=10 {
+        bridge.pose(ms(k), AWAY);
+        while bridge.until("publish")["topic"] != FORCE {}
+    }
+    let mut last = 0.0;
+    while last < 0.2 {
+        let told = bridge.until("publish");
+        assert_eq!(told["topic"], silence, "{told}");
+        let age = told["msg"]["data"].as_f64().unwrap();
+        assert!(age > last || last == 0.0, "{age} s after {last} s");
+        last = age;
+    }
+}
+
+#[test]
 fn services_pause_and_resume_and_unknown_ones_are_named() {
     let (_files, daemon, port) = start(&[]);
     let mut bridge = Bridge::open(port);

@@ -120,6 +120,67 @@ def test_a_tool_in_real_time_gets_its_forces(palpate_daemon: Any) -> None:
     print(f"sent late: median {np.median(report.late) * 1e6:.0f} us, 99 % {np.quantile(report.late, 0.99) * 1e6:.0f} us")
 
 
+def pressing(probe: Any) -> "tuple[float, float, float]":
+    """Presses a probe in real time until it is felt; returns the place."""
+    place = (0.0, 0.0, 0.028)
+    deadline = time.monotonic() + 30.0
+    while probe.force is None or probe.force.force[2] < 0.5:
+        assert time.monotonic() < deadline
+        probe.send(place)
+        time.sleep(1e-3)
+    return place
+
+
+# A killed daemon closes its sockets, a stopped one says nothing at all. Seen: a callback was given 1.43 N for 5.2 s,
+# `Tool.force` for ever.
+@pytest.mark.parametrize("sign", [signal.SIGKILL, signal.SIGSTOP])
+def test_a_force_is_gone_60_ms_after_the_last_one_whoever_reads_it(sign: signal.Signals) -> None:
+    daemon = pp.serve(rigid(), clock="realtime")
+    # Another session: that of a daemon of one's own raises when it has died.
+    with pp.connect(daemon.endpoint) as session, session.tool("probe") as probe:
+        forces = session.forces("probe")
+        place = pressing(probe)
+        silences: list[float] = []
+
+        def at(t: float, force: Any) -> Any:
+            # Where no force came between two looks, what was read between them is as old as the first says.
+            before, now, after = probe.silence, probe.force, probe.silence
+            if after >= before > 0.06:
+                assert now.force == (0.0, 0.0, 0.0) and now.flags & pp.ForceFlags.RAMPING
+            if silences and before >= silences[-1] > 0.06:
+                assert force.force == (0.0, 0.0, 0.0)
+            silences.append(before)
+            if len(silences) == 300:
+                os.kill(daemon.pid, sign)
+            return None if len(silences) > 300 and before > 0.3 else place
+
+        report = probe.run(at, seconds=20.0)
+        assert silences[-1] > 0.3, "forces stopped"
+        assert report.last.force == (0.0, 0.0, 0.0) and probe.wait(1).force == (0.0, 0.0, 0.0)
+        seen = []
+        while (force := forces.next(timeout=0.5)) is not None:
+            seen.append(force)
+        assert max(force.force[2] for force in seen) > 0.5, "what came is there as it came"
+        assert seen[-1].force == (0.0, 0.0, 0.0) and seen[-1].tick == seen[-2].tick
+        assert forces.silence is not None and forces.silence > 0.3
+    os.kill(daemon.pid, signal.SIGCONT)
+    os.kill(daemon.pid, signal.SIGKILL)
+    with pytest.raises(pp.DaemonError):
+        daemon.stop()
+
+
+def test_in_lockstep_a_force_stays_and_its_age_is_told(palpate_daemon: Any) -> None:
+    daemon = palpate_daemon(rigid())
+    with daemon.tool("probe") as probe:
+        assert probe.silence is None
+        for place in lower(100):
+            force = probe.step(place)
+        time.sleep(0.15)
+        assert probe.force == force and force.force[2] > 0.5 and probe.silence > 0.15
+    with pytest.raises(pp.ClientError, match="given back"):
+        _ = probe.force
+
+
 def test_simulated_devices_press_like_hands(palpate_daemon: Any) -> None:
     device = pp.SimulatedDevice("touch", hand="firm")
     assert "touch" in pp.SimulatedDevice.names() and device.rate == 1000.0

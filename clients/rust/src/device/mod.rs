@@ -28,7 +28,6 @@ mod simulated;
 mod smooth;
 mod target;
 mod v3;
-mod watchdog;
 
 pub use hand::{Goal, Grip, Hand};
 pub use model::{DeviceError, DeviceModel};
@@ -41,4 +40,3 @@ pub use presets::devices;
 pub use session::{BLEND_S, Session, Step};
 pub use simulated::{Energy, SimulatedDevice};
 pub use target::Target;
-pub use watchdog::{FRESH, Silences, Watchdog};

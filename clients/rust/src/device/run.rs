@@ -1,11 +1,11 @@
 //! A simulated device on the bus: in real time at its own rate, or one pose a tick in lockstep.
 
 use super::servo::Servo;
-use super::watchdog::Silences;
 use super::{DeviceError, Motion, Network, PassivitySettings, SimulatedDevice};
 use crate::tool::now_ns;
 use crate::{ClientError, Tool};
 use palpate_proto::messages::force_flags;
+use palpate_proto::watchdog::Silences;
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -138,12 +138,7 @@ pub fn run(
     let dt = 1.0 / settings.rate_hz;
     let lockstep = tool.is_lockstep();
     let passivity = (settings.passivity).then(|| PassivitySettings::of(device.model()));
-    let mut servo = Servo::new(
-        settings.network,
-        passivity,
-        Instant::now(),
-        tool.is_sparse(),
-    )?;
+    let mut servo = Servo::new(settings.network, passivity)?;
     let mut report = RunReport {
         device: device.model().name.clone(),
         ..RunReport::default()
@@ -161,8 +156,8 @@ pub fn run(
         if let Some(force) = servo.held().filter(|_| !lockstep) {
             ages.push(now_ns().saturating_sub(force.t_server_ns));
         }
-        let heard_now = (!lockstep).then(|| (tool.received(), Instant::now()));
-        let period = servo.period(device, motion, dt, heard_now);
+        let gain = (!lockstep).then(|| tool.newest().gain(Instant::now()));
+        let period = servo.period(device, motion, dt, gain);
         let now_s = device.time_s();
         watch(&period.sample);
         squares += note(&mut report, &mut bounds, device);
@@ -191,7 +186,8 @@ pub fn run(
                     round_trips.push(now_ns().saturating_sub(force.t_client_ns));
                 }
                 std::thread::sleep(due.saturating_sub(started.elapsed()));
-                tool.force()
+                // As it came: it fades where it acts, after the network of the settings.
+                tool.newest().force
             }
         };
         if let Some(force) = force.filter(|force| servo.hear(now_s, *force)) {
@@ -211,7 +207,7 @@ pub fn run(
     // A daemon that went away in the last moments of a run.
     let silent = heard.elapsed() > SILENCE && count as f64 * dt > SILENCE.as_secs_f64();
     report.gave_up |= !lockstep && servo.has_heard() && silent;
-    report.silences = servo.silences();
+    report.silences = tool.newest().silences(Instant::now());
     report.forces = tool.received();
     report.applied_force_n[1] = (squares * dt / device.time_s().max(dt)).sqrt();
     report.range_m = [0, 1, 2].map(|c| bounds[1][c] - bounds[0][c]);

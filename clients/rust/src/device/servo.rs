@@ -2,15 +2,14 @@
 //! device under it, and the poses that reach the daemon.
 //!
 //! ```text
-//! newest force ─▶ hear ─▶ network ─▶ watchdog ─▶ passivity ─▶ device ─▶ network ─▶ poses to send
+//! newest force ─▶ hear ─▶ network ─▶ × gain ─▶ passivity ─▶ device ─▶ network ─▶ poses to send
+//!                                     ▲ of the watchdog
 //! ```
 //! [`super::run`] joins it to a [`crate::Tool`]; simulations without a bus step it themselves.
 
 use super::run::Sample;
-use super::watchdog::{Silences, Watchdog};
 use super::{Channel, DeviceError, Motion, Network, Passivity, PassivitySettings, SimulatedDevice};
 use palpate_proto::messages::{ToolForce, ToolPose};
-use std::time::Instant;
 
 /// What goes between device and daemon: poses out, forces in, each through its own channel.
 struct Link {
@@ -72,9 +71,8 @@ impl Link {
     }
 }
 
-/// What is known of forces at the begin of a period: how many have come, and the time of now.
-/// `None` in lockstep, where a force is never old: time stands still until it comes.
-pub type Heard = Option<(u64, Instant)>;
+/// The share of forces that may act in a period: of the watchdog ([`crate::NewestForce::gain`]), in real time.
+pub type Gain = Option<f64>;
 
 /// A servo period.
 #[derive(Clone, Debug, PartialEq)]
@@ -89,26 +87,22 @@ pub struct Period {
 pub struct Servo {
     link: Link,
     passivity: Option<Passivity>,
-    watchdog: Watchdog,
     /// Tick and time of the force heard last.
     last: Option<(u64, u64)>,
 }
 
 impl Servo {
-    /// Nothing has been heard. `sparse`: the daemon may leave forces out (a deadband).
+    /// Nothing has been heard.
     ///
     /// # Errors
     /// A figure that no network has.
     pub fn new(
         network: Network,
         passivity: Option<PassivitySettings>,
-        now: Instant,
-        sparse: bool,
     ) -> Result<Self, DeviceError> {
         Ok(Self {
             link: Link::new(network)?,
             passivity: passivity.map(Passivity::new),
-            watchdog: Watchdog::new(now, sparse),
             last: None,
         })
     }
@@ -118,20 +112,19 @@ impl Servo {
         self.link.held.as_ref().map(|(_, force)| force)
     }
 
-    /// Moves the device on by a period of `dt_s` under the force that may act now.
+    /// Moves the device on by a period of `dt_s` under the force that may act now. `gain`: `None` in lockstep.
     pub fn period(
         &mut self,
         device: &mut SimulatedDevice,
         motion: &Motion,
         dt_s: f64,
-        heard: Heard,
+        gain: Gain,
     ) -> Period {
         let (force, torque) =
             (self.held()).map_or(([0.0; 3], [0.0; 3]), |held| (held.force, held.torque));
-        let gain = heard.map_or(1.0, |(received, now)| self.watchdog.gain(received, now));
-        let (force, torque) = match gain < 1.0 {
-            true => (force.map(|f| f * gain), torque.map(|t| t * gain)),
-            false => (force, torque),
+        let (force, torque) = match gain {
+            Some(gain) if gain < 1.0 => (force.map(|f| f * gain), torque.map(|t| t * gain)),
+            _ => (force, torque),
         };
         let reported = device.pose().position;
         let command = self
@@ -154,7 +147,7 @@ impl Servo {
             loop_j: device.energy().loop_j,
         };
         Period {
-            poses: self.link.deliver(now_s, pose, heard.is_none()),
+            poses: self.link.deliver(now_s, pose, gain.is_none()),
             sample,
         }
     }
@@ -178,11 +171,6 @@ impl Servo {
     /// Takes what has come through the network by now.
     pub fn collect(&mut self, now_s: f64) {
         self.link.collect(now_s);
-    }
-
-    /// Times that no force came.
-    pub fn silences(&self) -> Silences {
-        self.watchdog.silences()
     }
 
     /// What the passivity controller took, J.

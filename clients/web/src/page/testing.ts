@@ -15,6 +15,7 @@ export * from "./save";
 export * from "./step";
 export * from "./inside";
 export * from "./sources/frames";
+export { Fading } from "./sources/fading";
 export { Live } from "./sources/live";
 export { Playback } from "./sources/playback";
 export { Hand, PERIOD_MS } from "./touch/hand";

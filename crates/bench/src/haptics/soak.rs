@@ -125,12 +125,17 @@ fn hold(seconds: f64) -> anyhow::Result<Vec<Figure>> {
         .collect::<Result<Vec<_>, _>>()?;
     let mut tenths = [[Moments::default(); 10]; PARTS.len()];
     let mut least_j = [0.0f64; PARTS.len()];
+    let mut told = [0; PARTS.len()];
     let statuses = palpate.statuses()?;
     let (mut ticks, mut moved) = (0, Instant::now());
     while (ticks as f64) < (SETTLE_S + seconds) * 1e3 {
         std::thread::sleep(Duration::from_millis(3));
-        for (tool, latest) in watched.iter().enumerate() {
-            let Some(force) = latest.take() else { continue };
+        for (tool, forces) in watched.iter().enumerate() {
+            let newest = forces.newest();
+            let is_new = std::mem::replace(&mut told[tool], newest.received) != newest.received;
+            let Some(force) = newest.force.filter(|_| is_new) else {
+                continue;
+            };
             (ticks, moved) = (force.tick.max(ticks), Instant::now());
             let share = (force.tick as f64 * 1e-3 - SETTLE_S) / seconds;
             if (0.0..1.0).contains(&share) {

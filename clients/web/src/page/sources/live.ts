@@ -13,6 +13,7 @@ import { fetchSession, type Session } from "../session";
 import { happening } from "../words";
 import type { Outline, World } from "../world";
 import { insidesOf } from "../inside";
+import { Fading, LOOK_MS } from "./fading";
 import { callOf, frame, ofCall, ofText, openFrame, textOf } from "./frames";
 
 /** An answer of the loop to a request. */
@@ -39,6 +40,8 @@ export class Live {
   private attempts = 0;
   private timer: ReturnType<typeof setTimeout> | undefined;
   private neighbours: ReturnType<typeof setInterval> | undefined;
+  private readonly fading = new Fading();
+  private fader: ReturnType<typeof setInterval> | undefined;
   private closed = false;
   /** Nodes are wanted; cells have been asked for. */
   private looking = false;
@@ -89,6 +92,8 @@ export class Live {
   start(): void {
     clearInterval(this.neighbours);
     this.neighbours = setInterval(() => void this.lookAround(), NEIGHBOURS_MS);
+    clearInterval(this.fader);
+    this.fader = setInterval(() => this.fade(), LOOK_MS);
     this.world.instances = this.session.instances ?? [];
     const scheme = location.protocol === "https:" ? "wss" : "ws";
     const socket = new WebSocket(`${scheme}://${location.host}/live`);
@@ -114,6 +119,7 @@ export class Live {
   stop(): void {
     this.closed = true;
     clearInterval(this.neighbours);
+    clearInterval(this.fader);
     clearTimeout(this.timer);
     this.socket?.close();
   }
@@ -123,6 +129,7 @@ export class Live {
     this.world.link = "lost";
     this.world.trouble = "The daemon does not answer; trying again …";
     for (const tool of this.world.tools) tool.holder = null;
+    this.fading.drop(this.world);
     this.world.touch();
     for (const answer of this.calls.values()) answer({ ok: false, error: "the connection was lost" });
     this.calls.clear();
@@ -257,13 +264,18 @@ export class Live {
     this.world.touch();
   }
 
+  /** A loop that stands, or waits for poses, sends no forces; neither does a recording by the clock. */
+  private fade(): void {
+    const stands = this.lockstep || this.session.played === true || this.world.status?.state !== "Running";
+    if (this.fading.look(this.world, stands)) this.world.touch();
+  }
+
   private takeForce(id: string, force: ToolForce): void {
     const tool = this.world.tool(id);
     if (tool === undefined) return;
     const tick = Number(force.tick);
     tool.tick = tick;
-    tool.force = force.force;
-    tool.torque = force.torque;
+    this.fading.take(tool, force);
     tool.proxy = force.proxy_position;
     tool.orientation = force.proxy_orientation;
     tool.depth = force.depth;

@@ -1,0 +1,38 @@
+"""Holds a tool and prints what its forces would do to a hand, N, a line a millisecond: as the callback of Tool.run is
+given them, as Tool.force has them, and as the newest of a stream. felt.py ENDPOINT TOOL X Y Z"""
+
+import math
+import sys
+import threading
+
+import palpate
+
+
+def size(force):
+    return 0.0 if force is None else math.hypot(*force.force)
+
+
+def main():
+    endpoint, tool, *place = sys.argv[1:]
+    place = [float(x) for x in place]
+    streamed = [0.0]
+    with palpate.connect(endpoint) as session, session.tool(tool) as held:
+        forces = session.forces(tool)
+
+        def listen():
+            for force in forces:
+                streamed[0] = size(force)
+
+        threading.Thread(target=listen, daemon=True).start()
+
+        def step(t, force):
+            print(size(force), size(held.force), streamed[0], flush=True)
+            return place
+
+        held.run(step, rate=1000.0)
+
+
+try:
+    main()
+except (palpate.PalpateError, BrokenPipeError) as error:
+    print(error, file=sys.stderr)
