@@ -83,7 +83,7 @@ fn a_bridge_killed_while_pressing_leaves_zero_and_free_behind_the_guard() {
     assert_eq!((rest.force, rest.torque), ([0.0; 3], [0.0; 3]));
     let passed_ms = (rest.header.stamp.to_ns() as f64 - killed_ns as f64) * 1e-6;
     println!(
-        "zero {passed_ms:.1} ms after the daemon was killed, of which 20 ms are the guard's patience"
+        "zero {passed_ms:.1} ms after the daemon was killed, of which 50 ms are the guard's patience"
     );
 }
 
