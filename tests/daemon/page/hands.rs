@@ -191,7 +191,7 @@ fn commands_of_a_page_are_carried_out_or_refused_in_the_daemon_s_words() {
     let status = daemon.connect().status().unwrap();
     assert_eq!(status.state, LoopState::Paused);
     assert_eq!(page.call("step", "{\"ticks\": 5}")["ok"], true);
-    assert_eq!(page.call("resume", "")["ok"], true);
+    assert_eq!(page.call("resume", "{}")["ok"], true);
     assert_eq!(page.call("record_start", "{}")["ok"], true);
     let stopped = page.call("record_stop", "{}");
     assert!(
