@@ -78,7 +78,7 @@ pub fn blocks() -> Vec<Block> {
 const KINDS: [(&str, &[&str]); 9] = [
     ("text", &[""]),
     ("sh", &["", "build", "daemon", "npm", "peer", "recording"]), // run by documents_run
-    ("c", &["", "list"]),                                         // compiled and run by readmes
+    ("c", &["", "list", "watchdog"]),                             // compiled and run by readmes
     ("ts", &[""]), // checked and run by clients/web/tests/readme.test.mjs
     ("rust", &["", "no_run", "no_run,test_harness"]),
     // Run by clients/python/tests/wheel with the installed wheel; `messages` need none (readmes).

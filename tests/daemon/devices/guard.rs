@@ -87,6 +87,52 @@ fn a_bridge_killed_while_pressing_leaves_zero_and_free_behind_the_guard() {
     );
 }
 
+// A guard that is started beside a force that acts already, and one whose forces come again after a silence.
+#[test]
+fn a_guard_takes_a_force_up_from_nothing() {
+    let router = format!("tcp/127.0.0.1:{}", free_port());
+    let _router = open_router(&router);
+    let _guard = Process::start(&[
+        "device",
+        "--guard",
+        "crtk",
+        "/arm",
+        "--for",
+        "300s",
+        "--connect",
+        &router,
+    ]);
+    let peer = Peer::connect(&router);
+    let forces = peer.hear::<WrenchStamped>("/arm/body/servo_cf");
+    let free = peer.hear::<Empty>("/arm/free");
+    peer.await_listener::<WrenchStamped>("/arm/palpate/servo_cf");
+    let wrench = WrenchStamped {
+        header: palpate_devices::ros2::Header::new(now_ns(), "world"),
+        force: [0.0, 0.0, 1.0],
+        torque: [0.01, 0.0, 0.0],
+    };
+    for round in 0..2 {
+        let begun = Instant::now();
+        let mut heard = Vec::new();
+        while heard.last() != Some(&(1.0, 0.01)) {
+            assert!(begun.elapsed() < Duration::from_secs(60), "{heard:?}");
+            peer.put("/arm/palpate/servo_cf", &wrench);
+            std::thread::sleep(Duration::from_millis(1));
+            let came = forces.take::<WrenchStamped>();
+            heard.extend(came.iter().map(|felt| (felt.force[2], felt.torque[0])));
+        }
+        assert!(heard[0].0 < 0.5 && heard[0].1 < 0.005, "{round}: {heard:?}");
+        // Nothing any more: it fades, and is zero.
+        while heard.last() != Some(&(0.0, 0.0)) {
+            assert!(begun.elapsed() < Duration::from_secs(120), "{heard:?}");
+            std::thread::sleep(Duration::from_millis(1));
+            let came = forces.take::<WrenchStamped>();
+            heard.extend(came.iter().map(|felt| (felt.force[2], felt.torque[0])));
+        }
+        free.next::<Empty>();
+    }
+}
+
 #[test]
 fn the_simulated_arm_is_pressed_by_the_daemon_over_ros() {
     let directory = tempfile::tempdir().unwrap();
