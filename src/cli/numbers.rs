@@ -1,6 +1,7 @@
 //! Text files with lines of numbers.
 
 use anyhow::Context as _;
+use palpate_geometry::math::MOST_COORDINATE_M;
 use std::path::Path;
 
 /// A line, with its number in the file.
@@ -10,7 +11,7 @@ pub struct NumberLine {
     pub values: Vec<f64>,
 }
 
-/// Reads lines of finite numbers between commas, semicolons or blanks; `#` starts a comment, and a
+/// Reads lines of numbers to calculate with, between commas, semicolons or blanks; `#` starts a comment, and a
 /// first line of words is a heading. A line has as many numbers as one of `widths`; `names` says
 /// which, for messages. The crate `csv` reads one separator only, and no comments behind numbers.
 pub fn read(path: &Path, widths: &[usize], names: &str) -> anyhow::Result<Vec<NumberLine>> {
@@ -31,11 +32,11 @@ pub fn read(path: &Path, widths: &[usize], names: &str) -> anyhow::Result<Vec<Nu
         }
         let values: Option<Vec<f64>> = values.into_iter().collect();
         let fits = |values: &Vec<f64>| {
-            widths.contains(&values.len()) && values.iter().all(|x| x.is_finite())
+            widths.contains(&values.len()) && values.iter().all(|x| x.abs() <= MOST_COORDINATE_M)
         };
         let Some(values) = values.filter(fits) else {
             anyhow::bail!(
-                "{}:{}: {whole:?}: expected {names}, finite numbers",
+                "{}:{}: {whole:?}: expected {names}, finite numbers within ±{MOST_COORDINATE_M:e}",
                 path.display(),
                 k + 1
             );
@@ -80,6 +81,9 @@ mod tests {
             ("1,x\n", 1),
             ("1,2\n\n1,2,3,4\n", 3),
             ("1,inf\n", 1),
+            ("1,nan\n", 1),
+            ("1,1e400\n", 1),
+            ("1e308,-1e155\n", 1),
             ("u,v\nx,y\n", 2),
         ] {
             let error = of(text).unwrap_err();

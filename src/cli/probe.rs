@@ -119,6 +119,8 @@ const WINDOW: u64 = 50;
 const PATIENCE: u64 = 20_000;
 /// Stride towards a pose, m a tick: slow enough for a deforming body to follow.
 const STRIDE_M: f64 = 1e-4;
+/// Longest way, m.
+const MOST_WAY_M: f64 = 10.0;
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let loaded = super::scenes::load(&args.scene)?;
@@ -142,6 +144,20 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         ),
     };
     let poses = read_poses(&args.poses)?;
+    if (0..scene.body_count()).any(|body| scene.deforms(body)) {
+        let start = Point3::from(scene.spec.tools[tool].pose.position);
+        let far = |pose: &&DevicePose| (pose.position - start).norm() > MOST_WAY_M;
+        if let Some(pose) = poses.iter().find(far) {
+            anyhow::bail!(
+                "{}:{}: the pose is {:.3e} m from where tool {:?} starts, more than {MOST_WAY_M} m, and the way there is \
+                 gone in strides of {STRIDE_M} m; are the poses in millimetres? Or let the tool start nearer",
+                args.poses.display(),
+                pose.seq,
+                (pose.position - start).norm(),
+                scene.tool_id(tool)
+            );
+        }
+    }
     if !args.json {
         println!("{:>36}  {:>36} {:>10}", "position m", "force N", "depth mm");
     }

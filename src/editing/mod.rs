@@ -103,7 +103,8 @@ fn carry_out(job: &EditJob, changes: &SceneChanges) -> Result<EditNews, String> 
         .iter()
         .zip(nets)
         .map(|(&body, points)| scene.surface_with(body, points))
-        .collect();
+        .collect::<Result<_, _>>()
+        .map_err(|e| e.to_string())?;
     let Edited {
         change,
         what,

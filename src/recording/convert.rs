@@ -1,6 +1,6 @@
 //! Tick records to Protobuf and back, bit for bit.
 
-use palpate_geometry::math::{Point3, Rotation, Vector3};
+use palpate_geometry::math::{Point3, Rotation, Vector3, first_outside};
 use palpate_proto::recording as pb;
 use palpate_sim::haptics::{DeviceBounds, DevicePose};
 use palpate_sim::scene::spec::MAX_TOOLS;
@@ -284,12 +284,13 @@ fn sent(command: &pb::Command) -> Result<Command, ConvertError> {
     };
     let turned = nalgebra::Quaternion::new(w, i, j, k);
     let unit = (turned.norm() - 1.0).abs() < 1e-6;
-    if !(unit && [x, y, z].iter().all(|x| x.is_finite())) {
+    let position = Point3::new(x, y, z);
+    if !unit || first_outside(&[position]).is_some() {
         return Err(wrong());
     }
     Ok(Command::Send {
         body: command.tool,
-        position: Point3::new(x, y, z),
+        position,
         rotation: Rotation::new_unchecked(turned),
         ticks: command.ticks,
     })

@@ -1,6 +1,6 @@
 //! One simulation in this process: the daemon's own step function, without a clock.
 
-use crate::errors::{busy, raised};
+use crate::errors::{busy, raised, surface_error};
 use crate::output::{Output, depth};
 use crate::pose::{Pose, of_numbers};
 use crate::scene::{Built, Scene};
@@ -309,7 +309,8 @@ impl Simulation {
             .run
             .state
             .copy_net(&self.built.scene, body, &mut points);
-        Ok(Surface::of(self.built.scene.surface_with(body, &points)))
+        let surface = self.built.scene.surface_with(body, &points);
+        Ok(Surface::of(surface.map_err(surface_error)?))
     }
 
     /// The whole state, to go back to: equal states are equal by bits.

@@ -13,6 +13,7 @@ pub use series::{Bucket, BucketedCurve, Series, series};
 use super::channel::{Happening, Topic};
 use super::reader::{Follower, Session};
 use super::replay::ReplayError;
+use palpate_geometry::surface::SurfaceError;
 use palpate_sim::tick::record::TickRecord;
 
 /// Why something could not be exported.
@@ -24,6 +25,9 @@ pub enum ExportError {
     /// Where it goes.
     #[error(transparent)]
     Io(#[from] std::io::Error),
+    /// A net that no surface can have.
+    #[error("the net of that tick makes no surface: {0}")]
+    Net(#[from] SurfaceError),
     /// A range without ticks.
     #[error("no tick from {from} to {until}; {}", known(*.ticks))]
     NoTicks {

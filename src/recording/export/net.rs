@@ -8,7 +8,7 @@ use super::super::reader::{
 use super::super::replay::{ReplayError, recorded_scene};
 use super::super::rerun::Rerun;
 use super::ExportError;
-use palpate_geometry::math::Point3;
+use palpate_geometry::math::{Point3, first_outside};
 use palpate_geometry::surface::Surface;
 use palpate_sim::scene::Scene;
 use std::sync::Arc;
@@ -37,9 +37,7 @@ pub fn net_at(session: &Session, body: &str, tick: u64) -> Result<Surface, Expor
         Some(points) => points,
         None => replayed(session, &scene, index, tick)?,
     };
-    let mut surface = scene.rest_surface(index).clone();
-    surface.net_mut().points_mut().copy_from_slice(&points);
-    Ok(surface)
+    Ok(scene.surface_with(index, &points)?)
 }
 
 fn recorded(
@@ -52,12 +50,13 @@ fn recorded(
         let Happening::Net(net) = happening? else {
             continue;
         };
-        let finite = net.points.iter().all(|x| x.is_finite());
-        if net.body == body && net.points.len() == 3 * count && finite {
+        if net.body == body && net.points.len() == 3 * count {
             let points = net.points.chunks_exact(3);
-            return Ok(Some(
-                points.map(|p| Point3::new(p[0], p[1], p[2])).collect(),
-            ));
+            let points: Vec<_> = points.map(|p| Point3::new(p[0], p[1], p[2])).collect();
+            // What no net can be is not taken: the ticks tell what it was.
+            if first_outside(&points).is_none() {
+                return Ok(Some(points));
+            }
         }
     }
     Ok(None)

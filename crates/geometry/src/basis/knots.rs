@@ -8,10 +8,10 @@
 pub const MAX_DEGREE: usize = 15;
 
 /// Largest absolute value of a knot.
-const MAX_KNOT: f64 = 1e100;
+const MAX_KNOT: f64 = 1e20;
 
 /// Shortest span that is not empty.
-const MIN_SPAN: f64 = 1e-100;
+const MIN_SPAN: f64 = 1e-20;
 
 /// How the ends of a knot vector behave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -89,7 +89,7 @@ pub enum KnotError {
         /// Polynomial degree.
         degree: usize,
     },
-    /// A knot so large that differences overflow.
+    /// A knot so large that what is computed of it may overflow.
     #[error("knot {index} is {value:e}; knots stay within ±{MAX_KNOT:e}")]
     Large {
         /// Index in the list.
@@ -97,7 +97,7 @@ pub enum KnotError {
         /// The value given.
         value: f64,
     },
-    /// A span so short that its inverse square overflows.
+    /// A span so short that curvatures, which its inverse powers enter, may overflow.
     #[error("knots {} and {index} are {span:e} apart: make them equal, or at least {MIN_SPAN:e} apart", index - 1)]
     TooClose {
         /// The second of the two.
@@ -644,11 +644,11 @@ mod tests {
         assert!(KnotVector::new(1, vec![0.0, 0.0, f64::INFINITY, f64::INFINITY]).is_err());
         assert_eq!(
             message(1, &[0.0, 0.0, 1e-200, 1.0, 1.0]),
-            "knots 1 and 2 are 1e-200 apart: make them equal, or at least 1e-100 apart"
+            "knots 1 and 2 are 1e-200 apart: make them equal, or at least 1e-20 apart"
         );
         assert_eq!(
             message(1, &[-1e200, -1e200, 1.0, 1.0]),
-            "knot 0 is -1e200; knots stay within ±1e100"
+            "knot 0 is -1e200; knots stay within ±1e20"
         );
     }
 

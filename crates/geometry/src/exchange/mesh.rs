@@ -17,7 +17,7 @@ pub use ply::{read as read_ply, read_points as read_ply_points};
 pub use points::read as read_text_points;
 pub use stl::{read as read_stl, write as write_stl, write_ascii as write_stl_ascii};
 
-use crate::math::Point3;
+use crate::math::{MOST_COORDINATE_M, Point3, first_outside};
 use crate::surface::Mesh;
 
 /// Why a mesh or a point cloud was not read or written.
@@ -44,8 +44,10 @@ pub enum MeshFileError {
         /// Needed number.
         needed: usize,
     },
-    /// A coordinate that is not finite, or too large for the format.
-    #[error("corner {corner} has coordinate {value}, not a finite number in single precision")]
+    /// A coordinate that is not finite, or too large to calculate with.
+    #[error(
+        "corner {corner} has coordinate {value} m, not a finite number within ±{MOST_COORDINATE_M:e} m"
+    )]
     Coordinate {
         /// Index of the corner.
         corner: usize,
@@ -100,8 +102,16 @@ pub enum MeshFileError {
     },
 }
 
-/// What every writer relies on; `single` if coordinates are written in single precision.
-fn check(mesh: &Mesh, scale: f64, single: bool) -> Result<(), MeshFileError> {
+/// Every coordinate can be calculated with, and written in single precision in either unit.
+fn checked(points: &[Point3]) -> Result<(), MeshFileError> {
+    match first_outside(points) {
+        Some((corner, value)) => Err(MeshFileError::Coordinate { corner, value }),
+        None => Ok(()),
+    }
+}
+
+/// What every writer relies on.
+fn check(mesh: &Mesh) -> Result<(), MeshFileError> {
     if mesh.triangles.is_empty() {
         return Err(MeshFileError::Empty("triangles"));
     }
@@ -123,18 +133,7 @@ fn check(mesh: &Mesh, scale: f64, single: bool) -> Result<(), MeshFileError> {
             });
         }
     }
-    for (corner, point) in mesh.points.iter().enumerate() {
-        let fits = |x: f64| {
-            if single {
-                (x as f32).is_finite()
-            } else {
-                x.is_finite()
-            }
-        };
-        if let Some(&value) = point.iter().find(|x| !fits(**x * scale)) {
-            return Err(MeshFileError::Coordinate { corner, value });
-        }
-    }
+    checked(&mesh.points)?;
     let count = mesh.points.len();
     for (triangle, corners) in mesh.triangles.iter().enumerate() {
         if let Some(&corner) = corners.iter().find(|corner| **corner as usize >= count) {
@@ -165,9 +164,9 @@ fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
 
 /// The next three words as a point.
 fn point<'a>(mut words: impl Iterator<Item = &'a [u8]>, per_metre: f64) -> Option<Point3> {
-    let mut next =
-        || Some(super::number::parse(words.next()?)? / per_metre).filter(|x| x.is_finite());
-    Some(Point3::new(next()?, next()?, next()?))
+    let mut next = || Some(super::number::parse(words.next()?)? / per_metre);
+    let point = Point3::new(next()?, next()?, next()?);
+    first_outside(&[point]).is_none().then_some(point)
 }
 
 /// The triangles of a face with these corners, as a fan; `count` corners are known.

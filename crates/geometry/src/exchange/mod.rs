@@ -37,6 +37,8 @@ pub mod step;
 mod units;
 
 #[cfg(test)]
+mod extremes_tests;
+#[cfg(test)]
 mod testing;
 
 pub use iges::IgesError;

@@ -13,7 +13,8 @@ pub(super) fn real(value: f64, exponent: char) -> String {
     }
 }
 
-/// A number with `E` or `D` before its exponent. `None` for anything else, words such as `inf` too.
+/// A finite number with `E` or `D` before its exponent. `None` for anything else: words such as `inf`, and what is
+/// beyond the largest number there is.
 pub(super) fn parse(text: &[u8]) -> Option<f64> {
     // Longer than any decimal of an f64: such a token is not a number.
     if text.is_empty() || text.len() > 400 {
@@ -27,7 +28,7 @@ pub(super) fn parse(text: &[u8]) -> Option<f64> {
             _ => return None,
         });
     }
-    plain.parse().ok()
+    plain.parse().ok().filter(|x: &f64| x.is_finite())
 }
 
 #[cfg(test)]
@@ -69,7 +70,9 @@ mod tests {
 
     #[test]
     fn words_are_no_numbers() {
-        for text in ["", "inf", "nan", "1.0x", "--1", "1e", ".", "1.2.3", "E5"] {
+        for text in [
+            "", "inf", "nan", "1.0x", "--1", "1e", ".", "1.2.3", "E5", "1e400", "-1D309",
+        ] {
             assert_eq!(parse(text.as_bytes()), None, "{text}");
         }
         assert_eq!(

@@ -26,6 +26,7 @@ pub use write::write;
 use super::spline::SplineError;
 use super::{Imported, Pick};
 use crate::math::Pose;
+use crate::surface::SurfaceError;
 use syntax::Exchange;
 
 /// Why a STEP file was refused.
@@ -101,6 +102,14 @@ pub enum StepError {
         /// What is wrong.
         source: SplineError,
     },
+    /// A place in an assembly where no surface can be.
+    #[error("#{id}, where its assembly puts it: {source}")]
+    Placed {
+        /// Number of the instance (`#id`) in the file.
+        id: u64,
+        /// What is wrong.
+        source: SurfaceError,
+    },
     /// A length unit that is not a length.
     #[error("#{id}: the length unit is {metres} m; it should be above 0 and finite")]
     Unit {
@@ -147,9 +156,11 @@ pub fn read(bytes: &[u8], pick: Pick) -> Result<Imported, StepError> {
     let flip = surface::face_sense(&exchange, id) == Some(false);
     let surface = built.with_flip_normal(flip).oriented_outward();
     let mut left_out = faces::left_out(&exchange, id, &ids, &surface, &unit);
-    let places = placement::places(&exchange, id, &unit);
+    let places = placement::places(&exchange, id, &unit)?;
     let surface = match places.as_slice() {
-        [one] if *one != Pose::identity() => surface.transformed(one),
+        [one] if *one != Pose::identity() => surface
+            .placed(one)
+            .map_err(|source| StepError::Placed { id, source })?,
         [_] => surface,
         several => {
             left_out.placements = several.len();

@@ -25,6 +25,7 @@ pub mod lanes;
 mod ordering;
 mod quadrature;
 mod random;
+mod range;
 pub mod simd;
 mod state;
 mod turn;
@@ -36,6 +37,7 @@ pub use cholesky::{Cholesky, CholeskyError, Lane, SingleCholesky, SingleLane, Sy
 pub use eigen::symmetric_eigen;
 pub use quadrature::gauss_legendre;
 pub use random::Random;
+pub use range::{MOST_COORDINATE_M, direction_of, first_outside};
 pub use state::{
     SavedState, StateError, StateSink, StateSize, StateSource, Stateful, state_hash, state_size,
 };

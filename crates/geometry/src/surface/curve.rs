@@ -1,9 +1,9 @@
 //! Curves in space, as surfaces have them: edges, iso-curves.
 
 use super::lines::LinePoint;
-use super::tensor::wrap;
+use super::tensor::{WEIGHTS, wrap};
 use crate::basis::KnotVector;
-use crate::math::{Point3, Vector3};
+use crate::math::{MOST_COORDINATE_M, Point3, Vector3, first_outside};
 
 /// A B-spline or NURBS curve, m.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,14 +32,18 @@ pub enum CurveError {
         /// Number of points given.
         points: usize,
     },
-    /// A coordinate that is not finite.
-    #[error("control point {index} is not finite")]
+    /// A coordinate that is not finite, or too large to calculate with.
+    #[error(
+        "control point {index} has coordinate {value} m, not a finite number within ±{MOST_COORDINATE_M:e} m"
+    )]
     NotFinite {
         /// Index in the list.
         index: usize,
+        /// As given.
+        value: f64,
     },
-    /// A weight that is zero, negative or not finite.
-    #[error("weight {index} is {value}; weights are finite and above 0")]
+    /// A weight outside [`WEIGHTS`].
+    #[error("weight {index} is {value}; weights are from {:e} to {:e}", WEIGHTS.start(), WEIGHTS.end())]
     Weight {
         /// Index in the list.
         index: usize,
@@ -52,8 +56,8 @@ impl Curve {
     /// A curve of checked knots.
     ///
     /// # Errors
-    /// Numbers of points or weights that do not fit, points that are not finite, weights that are
-    /// not above 0.
+    /// Numbers of points or weights that do not fit, points that are not within ±[`MOST_COORDINATE_M`],
+    /// weights that are not in [`WEIGHTS`].
     ///
     /// # Examples
     /// ```
@@ -78,11 +82,8 @@ impl Curve {
                 given: points.len(),
             });
         }
-        if let Some(index) = points
-            .iter()
-            .position(|p| !p.coords.iter().all(|x| x.is_finite()))
-        {
-            return Err(CurveError::NotFinite { index });
+        if let Some((index, value)) = first_outside(&points) {
+            return Err(CurveError::NotFinite { index, value });
         }
         if let Some(weights) = &weights {
             if weights.len() != points.len() {
@@ -91,7 +92,7 @@ impl Curve {
                     points: points.len(),
                 });
             }
-            if let Some(index) = weights.iter().position(|w| !(w.is_finite() && *w > 0.0)) {
+            if let Some(index) = weights.iter().position(|w| !WEIGHTS.contains(w)) {
                 return Err(CurveError::Weight {
                     index,
                     value: weights[index],

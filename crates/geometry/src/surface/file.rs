@@ -527,7 +527,7 @@ mod tests {
             ),
             (
                 &|d| d["weights"] = serde_json::json!([[1, 1], [1, -2]]),
-                "weight (1, 1) is -2; weights are finite and above 0",
+                "weight (1, 1) is -2; weights are from 1e-9 to 1e9",
             ),
             (
                 &|d| d["weights"] = serde_json::json!([[1, 1]]),

@@ -7,7 +7,7 @@
 
 use super::{ControlNet, Surface, SurfaceError};
 use crate::basis::{Blending, KnotError, KnotVector};
-use crate::math::{Cholesky, Point3, SymmetricTriplets, Vector3};
+use crate::math::{Cholesky, MOST_COORDINATE_M, Point3, SymmetricTriplets, Vector3, first_outside};
 
 /// What surface to look for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,8 +49,10 @@ pub enum FitError {
         /// Number of columns.
         columns: usize,
     },
-    /// A coordinate that is not finite.
-    #[error("point {index} has coordinate {value}, not a finite number")]
+    /// A coordinate that is not finite, or too large to calculate with.
+    #[error(
+        "point {index} has coordinate {value} m, not a finite number within ±{MOST_COORDINATE_M:e} m"
+    )]
     NotFinite {
         /// Index in the list.
         index: usize,
@@ -319,14 +321,12 @@ fn transposed(points: &[Vector3], rows: usize, columns: usize) -> Vec<Vector3> {
         .collect()
 }
 
-/// The first coordinate that is not finite.
+/// Every coordinate can be calculated with.
 pub(super) fn finite(points: &[Point3]) -> Result<(), FitError> {
-    for (index, point) in points.iter().enumerate() {
-        if let Some(&value) = point.iter().find(|x| !x.is_finite()) {
-            return Err(FitError::NotFinite { index, value });
-        }
+    match first_outside(points) {
+        Some((index, value)) => Err(FitError::NotFinite { index, value }),
+        None => Ok(()),
     }
-    Ok(())
 }
 
 /// Shares of the chord length up to each point, the mean of all lines, in [0, 1]; below 1 when

@@ -1,6 +1,6 @@
 //! A plain triangle mesh: what drawing, printing and other programs take.
 
-use crate::math::{Point3, Vector3};
+use crate::math::{Point3, Vector3, first_outside};
 
 /// Triangles over shared corners.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -16,8 +16,11 @@ pub struct Mesh {
 impl Mesh {
     /// A mesh whose normals are the means of those of its triangles, weighted with their areas;
     /// zero at a corner that only triangles without area have. `None` when a triangle names a
-    /// corner that does not exist.
+    /// corner that does not exist, or a coordinate is not within ±[`MOST_COORDINATE_M`](crate::math::MOST_COORDINATE_M).
     pub fn from_triangles(points: Vec<Point3>, triangles: Vec<[u32; 3]>) -> Option<Self> {
+        if first_outside(&points).is_some() {
+            return None;
+        }
         let mut normals = vec![Vector3::zeros(); points.len()];
         for triangle in &triangles {
             let [a, b, c] = triangle.map(|k| points.get(k as usize));

@@ -61,6 +61,6 @@ pub use shell::{Census, Shell};
 pub use shell_fit::Apart;
 pub use simplify::Simplified;
 pub(crate) use tensor::wrap;
-pub use tensor::{Frame, Surface, SurfaceError};
+pub use tensor::{Frame, Surface, SurfaceError, WEIGHTS};
 pub use tessellate::TessellateError;
 pub use topology::{Closing, Topology};

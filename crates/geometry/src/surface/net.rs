@@ -1,6 +1,6 @@
 //! The control net: a grid of points.
 
-use crate::math::Point3;
+use crate::math::{MOST_COORDINATE_M, Point3, first_outside};
 
 /// Why a net was refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -15,8 +15,10 @@ pub enum NetError {
         /// Columns, v.
         columns: usize,
     },
-    /// A coordinate that is not finite.
-    #[error("control point ({row}, {column}) has coordinate {value}, not a finite number")]
+    /// A coordinate that is not finite, or too large to calculate with.
+    #[error(
+        "control point ({row}, {column}) has coordinate {value} m, not a finite number within ±{MOST_COORDINATE_M:e} m"
+    )]
     NotFinite {
         /// Row, u.
         row: usize,
@@ -27,7 +29,7 @@ pub enum NetError {
     },
 }
 
-/// `rows × columns` finite points, u-major and contiguous, m.
+/// `rows × columns` points within ±[`MOST_COORDINATE_M`], u-major and contiguous, m.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ControlNet {
     rows: usize,
@@ -39,7 +41,7 @@ impl ControlNet {
     /// Checks counts and values.
     ///
     /// # Errors
-    /// Wrong count, or a coordinate that is not finite.
+    /// Wrong count, or a coordinate that is not a number within ±[`MOST_COORDINATE_M`].
     pub fn new(rows: usize, columns: usize, points: Vec<Point3>) -> Result<Self, NetError> {
         if points.len() != rows * columns {
             return Err(NetError::Count {
@@ -48,14 +50,12 @@ impl ControlNet {
                 columns,
             });
         }
-        for (k, point) in points.iter().enumerate() {
-            if let Some(&value) = point.iter().find(|x| !x.is_finite()) {
-                return Err(NetError::NotFinite {
-                    row: k / columns,
-                    column: k % columns,
-                    value,
-                });
-            }
+        if let Some((k, value)) = first_outside(&points) {
+            return Err(NetError::NotFinite {
+                row: k / columns,
+                column: k % columns,
+                value,
+            });
         }
         Ok(Self {
             rows,

@@ -121,6 +121,18 @@ impl Surface {
         moved
     }
 
+    /// [`Surface::transformed`] by a placement that may be anything.
+    ///
+    /// # Errors
+    /// A point that comes to lie outside ±[`MOST_COORDINATE_M`](crate::math::MOST_COORDINATE_M), or nowhere.
+    pub fn placed(&self, pose: &Pose) -> Result<Self, SurfaceError> {
+        let mut placed = self.transformed(pose);
+        let net = placed.net();
+        let points = net.points().to_vec();
+        *placed.net_mut() = ControlNet::new(net.rows(), net.columns(), points)?;
+        Ok(placed)
+    }
+
     /// Scaled about the origin by a factor above 0.
     pub fn scaled(&self, factor: f64) -> Self {
         let mut scaled = self.clone();

@@ -2,7 +2,7 @@
 //! through them, area, volume; and points spread evenly over them.
 
 use super::Mesh;
-use crate::math::{Point3, Random, Vector3};
+use crate::math::{Point3, Random, Vector3, first_outside};
 use std::collections::BTreeMap;
 
 /// Triangles whose corners at equal places are one corner.
@@ -38,16 +38,16 @@ impl Census {
 
 impl Shell {
     /// Of a mesh: corners at the same place become one, triangles that lose their area by that are
-    /// left out. `None` without any triangle, or with a coordinate that is not finite or a corner
-    /// that does not exist.
+    /// left out. `None` without any triangle, or with a coordinate that is not within
+    /// ±[`MOST_COORDINATE_M`](crate::math::MOST_COORDINATE_M) or a corner that does not exist.
     pub fn of(mesh: &Mesh) -> Option<Self> {
+        if first_outside(&mesh.points).is_some() {
+            return None;
+        }
         let mut known: BTreeMap<[u64; 3], u32> = BTreeMap::new();
         let mut points = Vec::new();
         let mut names = Vec::with_capacity(mesh.points.len());
         for point in &mesh.points {
-            if !point.iter().all(|x| x.is_finite()) {
-                return None;
-            }
             // −0 is 0.
             let key = [0, 1, 2].map(|k| (point[k] + 0.0).to_bits());
             names.push(*known.entry(key).or_insert_with(|| {

@@ -6,6 +6,7 @@
 //! lengths measured from the net's centre.
 
 use super::lines::{Direction, LinePoint};
+use super::tensor::WEIGHTS;
 use super::{Surface, SurfaceError};
 use crate::basis::{BasisChange, KnotKind, KnotVector};
 use crate::math::{Point3, Vector3};
@@ -128,7 +129,7 @@ impl Surface {
             let weighted = |m: &Homogeneous| if self.weights().is_some() { m.w } else { 1.0 };
             if let Some(m) = new
                 .iter()
-                .find(|m| !(weighted(m) > 0.0 && m.iter().all(|x| x.is_finite())))
+                .find(|m| !(WEIGHTS.contains(&weighted(m)) && m.iter().all(|x| x.is_finite())))
             {
                 fault.get_or_insert(weighted(m));
             }

@@ -3,6 +3,11 @@
 use super::{ControlNet, NetError};
 use crate::basis::{BasisWindow, KnotError, KnotVector, Side};
 use crate::math::{Point3, Vector3};
+use std::ops::RangeInclusive;
+
+/// Weights that a surface or a curve may have. Homogeneous coordinates, and quotients of them, stay finite; circles
+/// need weights from 0.5 to 1.
+pub const WEIGHTS: RangeInclusive<f64> = 1e-9..=1e9;
 
 /// Why a surface was refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -37,13 +42,15 @@ pub enum SurfaceError {
         needed: usize,
     },
     /// An approximation whose weights left the allowed range.
-    #[error("simplified so far, a weight would be {value}; it must stay finite and above 0")]
+    #[error("simplified so far, a weight would be {value}; weights are from {:e} to {:e}", WEIGHTS.start(), WEIGHTS.end())]
     Unweighable {
         /// The weight, or 1 where a coordinate is not finite.
         value: f64,
     },
-    /// A weight that is not a positive finite number.
-    #[error("weight ({row}, {column}) is {value}; weights are finite and above 0")]
+    /// A weight outside [`WEIGHTS`].
+    #[error(
+        "weight ({row}, {column}) is {value}; weights are from {:e} to {:e}", WEIGHTS.start(), WEIGHTS.end()
+    )]
     Weight {
         /// Row, u.
         row: usize,
@@ -86,7 +93,7 @@ impl Surface {
     /// Checks that knots, net and weights agree.
     ///
     /// # Errors
-    /// Sizes that disagree, or weights that are not positive and finite.
+    /// Sizes that disagree, or weights that are not in [`WEIGHTS`].
     ///
     /// # Examples
     /// ```
@@ -126,7 +133,7 @@ impl Surface {
                     needed: net.points().len(),
                 });
             }
-            if let Some(k) = weights.iter().position(|w| !(w.is_finite() && *w > 0.0)) {
+            if let Some(k) = weights.iter().position(|w| !WEIGHTS.contains(w)) {
                 let (row, column) = (k / net.columns(), k % net.columns());
                 return Err(SurfaceError::Weight {
                     row,

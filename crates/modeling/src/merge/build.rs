@@ -7,6 +7,7 @@ use super::layout::Layout;
 use super::plan::{BlockRows, Line, MergePlan};
 use super::search::{Choice, choose, parameters};
 use super::{DegreeRule, Hidden, MergeError, MergeMethod, MergeSpec, Merged, Turn, overlap};
+use palpate_geometry::math::first_outside;
 use palpate_geometry::surface::{Direction, Surface};
 
 /// Rows and columns of points that a patch may be given.
@@ -181,9 +182,8 @@ pub(super) fn check_nets(surfaces: &[Surface]) -> Result<(), MergeError> {
         {
             return Err(MergeError::Rational { patch });
         }
-        // Powers of what passes are finite too.
-        let finite = |p: &palpate_geometry::math::Point3| p.iter().all(|x| x.abs() < 1e30);
-        if let Some(index) = surface.net().points().iter().position(|p| !finite(p)) {
+        // Nets move after they were checked.
+        if let Some((index, _)) = first_outside(surface.net().points()) {
             return Err(MergeError::NotFinite { patch, index });
         }
     }

@@ -1,6 +1,7 @@
 //! Why patches were not merged.
 
 use palpate_geometry::basis::KnotError;
+use palpate_geometry::math::MOST_COORDINATE_M;
 use palpate_geometry::surface::SurfaceError;
 
 /// Why patches were not merged. Nothing was changed.
@@ -40,7 +41,7 @@ pub enum MergeError {
     },
     /// A net with a coordinate that is not finite, or of no earthly size.
     #[error(
-        "control point {index} of patch {patch} is not finite, or farther than 1e30 m from the origin"
+        "control point {index} of patch {patch} is not finite, or beyond ±{MOST_COORDINATE_M:e} m"
     )]
     NotFinite {
         /// Which patch.

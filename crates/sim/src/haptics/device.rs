@@ -1,6 +1,6 @@
 //! The pose of a device.
 
-use palpate_geometry::math::{Point3, Rotation, Vector3};
+use palpate_geometry::math::{Point3, Rotation, Vector3, first_outside};
 
 /// A pose as the loop takes it: finite, unit quaternion. World frame, SI.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,4 +19,12 @@ pub struct DevicePose {
     pub angular_velocity: Vector3,
     /// Bit 0: grab. While it is set, the tool holds on to what it touches.
     pub buttons: u32,
+}
+
+impl DevicePose {
+    /// Its place and velocities are numbers that something can be calculated with.
+    pub(super) fn is_somewhere(&self) -> bool {
+        let velocities = [self.linear_velocity, self.angular_velocity].map(Point3::from);
+        first_outside(&[self.position, velocities[0], velocities[1]]).is_none()
+    }
 }

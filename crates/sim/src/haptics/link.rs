@@ -95,7 +95,13 @@ impl Link {
             let plausible = stride <= limits.stride_max_m * f64::from(self.age_ticks);
             let faded =
                 self.limit_n == 0.0 && matches!(self.phase, LinkPhase::Stale | LinkPhase::Jumped);
-            if self.phase == LinkPhase::Absent || faded {
+            if !new.is_somewhere() {
+                // Nor does a tool start there, whose next real pose would be the jump.
+                if self.phase != LinkPhase::Absent {
+                    self.phase = LinkPhase::Jumped;
+                }
+                admission.refused = true;
+            } else if self.phase == LinkPhase::Absent || faded {
                 self.believe(new);
                 admission.seated = true;
             } else if plausible {
@@ -253,6 +259,28 @@ mod tests {
         assert_eq!(refusals, 10, "one refusal for each tick of the ramp");
         assert_eq!(link.pose.position.x, 1.0);
         assert_eq!(link.limit_n, 1.0);
+    }
+
+    #[test]
+    fn a_pose_with_numbers_that_nothing_can_be_computed_of_is_refused_wherever_the_tool_is() {
+        for bad in [1e300, -1e155, f64::NAN, f64::INFINITY] {
+            let fast = DevicePose {
+                linear_velocity: Vector3::new(0.0, bad, 0.0),
+                ..at(0.0, 1)
+            };
+            for pose in [at(bad, 1), fast] {
+                let mut link = Link::default();
+                let first = link.admit(Some(&pose), &LIMITS, true);
+                assert_eq!((first.seated, first.refused), (false, true), "{pose:?}");
+                // The next is the first.
+                assert!(link.admit(Some(&at(0.0, 2)), &LIMITS, true).seated);
+                assert!(link.admit(Some(&pose), &LIMITS, true).refused, "{pose:?}");
+                for _ in 0..100 {
+                    link.admit(Some(&pose), &LIMITS, true);
+                }
+                assert_eq!(link.pose.position, Point3::origin(), "{pose:?}");
+            }
+        }
     }
 
     #[test]

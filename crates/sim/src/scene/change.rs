@@ -14,7 +14,7 @@ use super::spec::{
 };
 use palpate_geometry::basis::KnotVector;
 use palpate_geometry::math::{Point3, Rotation, Vector3};
-use palpate_geometry::surface::{Surface, file};
+use palpate_geometry::surface::{ControlNet, Surface, SurfaceError, file};
 use std::path::Path;
 
 /// Where a body of the new scene comes from.
@@ -252,9 +252,13 @@ fn renamed(contacts: &[ContactSpec], parts: &[&str], id: &str) -> Vec<ContactSpe
 
 impl Scene {
     /// The surface of a body as it stands, m, in the world; `points` are its control points.
-    pub fn surface_with(&self, body: usize, points: &[Point3]) -> Surface {
+    ///
+    /// # Errors
+    /// Not as many points as the body has, or one that no surface can have.
+    pub fn surface_with(&self, body: usize, points: &[Point3]) -> Result<Surface, SurfaceError> {
         let mut surface = self.rest_surface(body).clone();
-        surface.net_mut().points_mut().copy_from_slice(points);
-        surface
+        let (rows, columns) = (surface.net().rows(), surface.net().columns());
+        *surface.net_mut() = ControlNet::new(rows, columns, points.to_vec())?;
+        Ok(surface)
     }
 }

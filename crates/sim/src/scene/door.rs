@@ -8,10 +8,15 @@
 //! A check gives the value back, so what is built from it needs no second check; `None` means that
 //! a problem was written down and that nothing can be built from the value.
 
-use palpate_geometry::math::{Pose, Rotation, Vector3};
+use palpate_geometry::math::{MOST_COORDINATE_M, Pose, Rotation, Vector3, direction_of};
 use std::cell::RefCell;
 use std::fmt::{self, Display};
+use std::ops::RangeInclusive;
 use std::path::Path;
+
+/// What a number of a scene that is not 0 may be, in SI units: what is computed of such numbers stays finite, and nothing
+/// that is meant is outside.
+const MEANT: RangeInclusive<f64> = 1e-15..=1e15;
 
 /// Everything that is wrong with a scene. Never empty.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -194,25 +199,31 @@ impl<'d> At<'d> {
         result.map_err(|error| self.refuse(error)).ok()
     }
 
-    /// A value of this table that must be finite and above 0.
+    /// A value of this table that must be above 0, and what a scene may mean.
     pub fn above_zero(&self, key: &str, value: f64, unit: &str) -> Option<f64> {
-        if value.is_finite() && value > 0.0 {
+        if MEANT.contains(&value) {
             return Some(value);
         }
         let unit = spaced(unit);
-        self.key(key).refused(format!(
-            "{key} is {value}; it must be a number above 0{unit}"
-        ))
+        self.key(key).refused(match value > 0.0 {
+            true => format!("{key} is {value:e}{unit}; it must be {}{unit}", meant()),
+            false => format!("{key} is {value}; it must be a number above 0{unit}"),
+        })
     }
 
-    /// A value of this table that must be finite and not below 0.
+    /// A value of this table that must be 0, or as in [`At::above_zero`].
     pub fn not_below_zero(&self, key: &str, value: f64, unit: &str) -> Option<f64> {
-        if value.is_finite() && value >= 0.0 {
+        if value == 0.0 || MEANT.contains(&value) {
             return Some(value);
         }
         let unit = spaced(unit);
-        self.key(key)
-            .refused(format!("{key} is {value}; it must be 0 or more{unit}"))
+        self.key(key).refused(match value > 0.0 {
+            true => format!(
+                "{key} is {value:e}{unit}; it must be 0, or {}{unit}",
+                meant()
+            ),
+            false => format!("{key} is {value}; it must be 0 or more{unit}"),
+        })
     }
 
     /// A count of this table, from 1 to `most`.
@@ -224,22 +235,19 @@ impl<'d> At<'d> {
             .refused(format!("{key} is {value}; it must be 1 to {most}"))
     }
 
-    /// Values of this table that must all be finite.
+    /// Values of this table, coordinates for the most part, that must all be numbers to calculate with.
     pub fn finite(&self, key: &str, values: &[f64]) -> Option<()> {
-        if values.iter().all(|x| x.is_finite()) {
+        if values.iter().all(|x| x.abs() <= MOST_COORDINATE_M) {
             return Some(());
         }
         self.key(key).refused(format!(
-            "{key} is {values:?}; every value must be a finite number"
+            "{key} is {values:?}; every value must be a finite number within ±{MOST_COORDINATE_M:e}"
         ))
     }
 
     /// A vector of this table of any length above 0; gives it with length 1.
     pub fn direction(&self, key: &str, v: &[f64; 3]) -> Option<Vector3> {
-        let unit = Vector3::from(*v)
-            .try_normalize(0.0)
-            .filter(|n| n.iter().all(|x| x.is_finite()));
-        unit.or_else(|| {
+        direction_of(&Vector3::from(*v)).or_else(|| {
             self.key(key).refused(format!(
                 "{key} {v:?} has no direction; give a vector of any length above 0"
             ))
@@ -277,6 +285,11 @@ impl<'d> At<'d> {
         self.key(key)
             .take(read.map_err(|e| format!("cannot read {}: {e}", full.display())))
     }
+}
+
+/// [`MEANT`] in words.
+fn meant() -> String {
+    format!("from {:e} to {:e}", MEANT.start(), MEANT.end())
 }
 
 fn spaced(unit: &str) -> String {

@@ -57,13 +57,9 @@ pub(super) fn build(spec: &ToolSpec, at: &At<'_>, dt_s: f64) -> Option<Tool> {
 }
 
 fn check_coupling(spec: &CouplingSpec, at: &At<'_>) -> Option<()> {
-    let stiffness = |key: &str, value: f64, unit: &str, rigid: &str| {
-        if value > 0.0 {
-            return Some(());
-        }
-        at.key(key).refused(format!(
-            "{key} is {value}; it must be above 0 {unit} (inf: {rigid})"
-        ))
+    let stiffness = |key: &str, value: f64, unit: &str, rigid: &str| match value {
+        f64::INFINITY => Some(()),
+        _ => (at.above_zero(key, value, &format!("{unit} (inf: {rigid})"))).map(|_| ()),
     };
     let checks = [
         stiffness(
@@ -91,13 +87,7 @@ fn check_coupling(spec: &CouplingSpec, at: &At<'_>) -> Option<()> {
 }
 
 fn grip(spec: &GripSpec, at: &At<'_>) -> Option<f64> {
-    let force_n = spec.force_max_n;
-    if force_n.is_finite() && force_n >= 0.0 {
-        return Some(force_n);
-    }
-    at.key("force_max_n").refused(format!(
-        "the grip's force_max_n is {force_n}; it must be 0 N (it never holds) or more"
-    ))
+    at.not_below_zero("force_max_n", spec.force_max_n, "N (0: it never holds)")
 }
 
 fn build_device(
@@ -111,11 +101,9 @@ fn build_device(
     at.not_below_zero("ramp_s", spec.ramp_s, "s");
     at.above_zero("stale_s", spec.stale_s, "s");
     at.above_zero("speed_max_m_s", spec.speed_max_m_s, "m/s");
-    let torque = spec.torque_max_nm;
-    if torque.is_nan() || torque < 0.0 {
-        at.key("torque_max_nm").refuse(format!(
-            "torque_max_nm is {torque}; it must be 0 N·m (the device only pushes) or more"
-        ));
+    if spec.torque_max_nm != f64::INFINITY {
+        let unit = "N·m (0: the device only pushes; inf: it bears any)";
+        at.not_below_zero("torque_max_nm", spec.torque_max_nm, unit);
     }
     at.above_zero(
         "passivity_damping_n_s_m",

@@ -267,7 +267,7 @@ fn every_problem_of_a_scene_is_listed_at_once() {
         "s.toml:11:1: xpbd knows linear springs only",
         "s.toml:15:20: half_angle_rad is 2; it must be between 0 and",
         "s.toml:15:42: height_m is -1; it must be a length",
-        "s.toml:16:10: the grip's force_max_n is -1",
+        "s.toml:16:10: force_max_n is -1; it must be 0 or more N (0: it never holds)",
         "s.toml:20:24: ",
     ];
     let lines: Vec<&str> = told.lines().collect();

@@ -328,7 +328,7 @@ fn a_tool_that_grabs_between_the_first_samples_still_presses_there() {
             let tool = last.unwrap();
             let mut net = world.scene.rest_surface(0).net().points().to_vec();
             world.state.copy_net(&world.scene, 0, &mut net);
-            let surface = world.scene.surface_with(0, &net);
+            let surface = world.scene.surface_with(0, &net).unwrap();
             let foot = ClosestSolver::new(&surface).closest(&surface, &tool.proxy_position);
             let sunk_m = radius - foot.signed_distance;
             (tool.force_n, sunk_m)

@@ -257,7 +257,7 @@ fn the_body_feels_the_opposite_of_what_the_hand_feels() {
 fn dent_m(world: &World, proxy: &Point3) -> f64 {
     let mut net = world.scene.rest_surface(0).net().points().to_vec();
     world.state.copy_net(&world.scene, 0, &mut net);
-    let surface = world.scene.surface_with(0, &net);
+    let surface = world.scene.surface_with(0, &net).unwrap();
     0.01 - ClosestSolver::new(&surface)
         .closest(&surface, proxy)
         .signed_distance

@@ -1,6 +1,6 @@
 //! From triangles as they come from a file to a solid, or a reason why they bound none.
 
-use crate::math::Point3;
+use crate::math::{MOST_COORDINATE_M, Point3, first_outside};
 
 /// Why a mesh cannot be a tool.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -11,8 +11,10 @@ pub enum MeshError {
         /// How many.
         triangles: usize,
     },
-    /// A coordinate that is not a finite number.
-    #[error("vertex {vertex} is {position:?}; coordinates must be finite")]
+    /// A coordinate that is not finite, or too large to calculate with.
+    #[error(
+        "vertex {vertex} is {position:?} m; coordinates are finite numbers within ±{MOST_COORDINATE_M:e} m"
+    )]
     NotFinite {
         /// Which, as given.
         vertex: usize,
@@ -82,10 +84,7 @@ pub(super) struct Sound {
 }
 
 pub(super) fn check(vertices: &[Point3], triangles: &[[u32; 3]]) -> Result<Sound, MeshError> {
-    if let Some(vertex) = vertices
-        .iter()
-        .position(|p| !p.iter().all(|x| x.is_finite()))
-    {
+    if let Some((vertex, _)) = first_outside(vertices) {
         return Err(MeshError::NotFinite {
             vertex,
             position: vertices[vertex].coords.into(),

@@ -94,7 +94,7 @@ impl Parameters {
         } else {
             parse(token)
         };
-        number.ok_or_else(|| self.wrong(k, what, "a number"))
+        number.ok_or_else(|| self.wrong(k, what, "a finite number"))
     }
 }
 

@@ -226,11 +226,14 @@ impl<'a> File<'a> {
             _ => return Err(wrong(14, "the unit's flag, 1 to 11")),
         };
         // The model is `scale` times as large as the thing.
-        Ok(if scale == 1.0 {
+        let unit = if scale == 1.0 {
             unit
         } else {
             unit.divided(scale)
-        })
+        };
+        // A scale near the ends of the numbers leaves no unit.
+        let unit = Some(unit).filter(LengthUnit::is_length);
+        unit.ok_or_else(|| wrong(13, "the model's scale, a number above 0"))
     }
 }
 

@@ -216,7 +216,7 @@ fn broken_surfaces_are_refused_with_what_and_where() {
         (
             "0.,0.,1.,1.,",
             "0.,0.,1.,nan,",
-            format!("{at}: parameter 13 (knot in u) should be a number, but is \"nan\""),
+            format!("{at}: parameter 13 (knot in u) should be a finite number, but is \"nan\""),
         ),
         (
             "0.,0.,1.,1.,",
@@ -226,7 +226,7 @@ fn broken_surfaces_are_refused_with_what_and_where() {
         (
             "0.,1.,7.",
             "0.,1D999,7.",
-            format!("{at}: control point (0, 1) has coordinate inf, not a finite number"),
+            format!("{at}: parameter 29 (coordinate) should be a finite number, but is \"1D999\""),
         ),
         (
             "0.,1.,0.,1.;",

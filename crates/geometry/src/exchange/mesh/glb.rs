@@ -15,7 +15,7 @@ const UNSIGNED_INT: u32 = 5125;
 /// # Errors
 /// A mesh that is empty, or whose parts do not fit each other or the format.
 pub fn write(mesh: &Mesh) -> Result<Vec<u8>, MeshFileError> {
-    check(mesh, 1.0, true)?;
+    check(mesh)?;
     let (corners, triangles) = (mesh.points.len(), mesh.triangles.len());
     let mut body = Vec::with_capacity(24 * corners + 12 * triangles);
     let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);

@@ -11,7 +11,7 @@ use std::fmt::Write as _;
 /// # Errors
 /// A mesh that is empty, or whose parts do not fit each other.
 pub fn write(mesh: &Mesh, unit: Unit) -> Result<String, MeshFileError> {
-    check(mesh, unit.per_metre(), false)?;
+    check(mesh)?;
     let mut out = format!(
         "# palpate {}, {}\no surface\n",
         env!("CARGO_PKG_VERSION"),

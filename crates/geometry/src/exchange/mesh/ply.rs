@@ -4,7 +4,7 @@
 //! is passed over. A file without faces is a cloud of points.
 
 use super::stl::welded;
-use super::{MeshFileError, fan, words};
+use super::{MeshFileError, checked, fan, words};
 use crate::exchange::number;
 use crate::math::Point3;
 use crate::surface::Mesh;
@@ -181,15 +181,11 @@ fn contents(bytes: &[u8], unit: Unit) -> Result<(Vec<Point3>, Vec<[u32; 3]>), Me
                 }
             }
             if is_vertex {
-                let bad = row.iter().find(|x| !x.is_finite());
-                if let Some(&value) = bad {
-                    let corner = points.len();
-                    return Err(MeshFileError::Coordinate { corner, value });
-                }
                 points.push(Point3::from(row));
             }
         }
     }
+    checked(&points)?;
     Ok((points, triangles))
 }
 

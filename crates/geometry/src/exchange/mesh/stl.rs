@@ -1,6 +1,6 @@
 //! STL: triangles with their normals, binary (single precision) or text.
 
-use super::{MeshFileError, check, lines, point, words, wrong_line};
+use super::{MeshFileError, check, checked, lines, point, words, wrong_line};
 use crate::math::{Point3, Vector3};
 use crate::surface::Mesh;
 use crate::surface::file::Unit;
@@ -16,7 +16,7 @@ const TRIANGLE: usize = 50;
 /// # Errors
 /// A mesh that is empty, or whose parts do not fit each other or the format.
 pub fn write(mesh: &Mesh, unit: Unit) -> Result<Vec<u8>, MeshFileError> {
-    check(mesh, unit.per_metre(), true)?;
+    check(mesh)?;
     let mut out = Vec::with_capacity(HEAD + TRIANGLE * mesh.triangles.len());
     // Not "solid", by which readers know the text form.
     let title = format!(
@@ -50,7 +50,7 @@ pub fn write(mesh: &Mesh, unit: Unit) -> Result<Vec<u8>, MeshFileError> {
 /// # Errors
 /// As the binary form.
 pub fn write_ascii(mesh: &Mesh, unit: Unit) -> Result<String, MeshFileError> {
-    check(mesh, unit.per_metre(), false)?;
+    check(mesh)?;
     let mut out = String::from("solid surface\n");
     for triangle in &mesh.triangles {
         let corners = corners(mesh, triangle, unit);
@@ -183,13 +183,7 @@ pub(super) fn welded(corners: Vec<Point3>) -> Result<Mesh, MeshFileError> {
             count: corners.len(),
         });
     }
-    if let Some((corner, &value)) = corners
-        .iter()
-        .enumerate()
-        .find_map(|(k, p)| p.iter().find(|x| !x.is_finite()).map(|x| (k, x)))
-    {
-        return Err(MeshFileError::Coordinate { corner, value });
-    }
+    checked(&corners)?;
     // Plus zero makes one of the two zeros.
     let key = |k: usize| [corners[k].x, corners[k].y, corners[k].z].map(|x| (x + 0.0).to_bits());
     let mut order: Vec<usize> = (0..corners.len()).collect();

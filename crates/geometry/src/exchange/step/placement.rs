@@ -6,10 +6,11 @@
 //! ```
 //! A transformation takes the axes of one placement to those of another.
 
+use super::StepError;
 use super::surface::cartesian_point;
 use super::syntax::{Exchange, Instance, Record, Value};
 use super::units::Unit;
-use crate::math::{Point3, Pose, Rotation, Vector3};
+use crate::math::{Point3, Pose, Rotation, Vector3, direction_of};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Assemblies inside each other at most, and places of one part; what a file says beyond is not a
@@ -20,7 +21,8 @@ const MOST_PLACES: usize = 1_000;
 /// A relation by which a representation stands in another.
 struct Link {
     parent: u64,
-    placed: Pose,
+    /// Or why it cannot be read, which matters only where the relation does.
+    placed: Result<Pose, StepError>,
 }
 
 struct Assemblies<'a, 'b> {
@@ -32,7 +34,14 @@ struct Assemblies<'a, 'b> {
 }
 
 /// Every place in which the file puts a surface: one, without assemblies.
-pub(super) fn places(exchange: &Exchange<'_>, surface: u64, unit: &Unit) -> Vec<Pose> {
+///
+/// # Errors
+/// A placement on the way up that cannot be read.
+pub(super) fn places(
+    exchange: &Exchange<'_>,
+    surface: u64,
+    unit: &Unit,
+) -> Result<Vec<Pose>, StepError> {
     let is_placing = |instance: &Instance| {
         let text = exchange.text(instance);
         text.starts_with(b"MAPPED_ITEM")
@@ -43,7 +52,7 @@ pub(super) fn places(exchange: &Exchange<'_>, surface: u64, unit: &Unit) -> Vec<
     };
     // Most files have no assemblies.
     if !exchange.instances().iter().any(is_placing) {
-        return vec![Pose::identity()];
+        return Ok(vec![Pose::identity()]);
     }
     let mut users: Vec<(u64, u64)> = Vec::new();
     for instance in exchange.instances() {
@@ -67,12 +76,12 @@ pub(super) fn places(exchange: &Exchange<'_>, surface: u64, unit: &Unit) -> Vec<
     let mut found = Vec::new();
     for representation in assemblies.representations_above(surface) {
         let mut above = Vec::new();
-        assemblies.place(representation, Pose::identity(), &mut above, &mut found);
+        assemblies.place(representation, Pose::identity(), &mut above, &mut found)?;
     }
     if found.is_empty() {
         found.push(Pose::identity());
     }
-    found
+    Ok(found)
 }
 
 fn reference(value: Option<&Value<'_>>) -> Option<u64> {
@@ -150,10 +159,10 @@ impl<'a> Assemblies<'a, '_> {
                 .filter(|user| self.is_representation(*user))
                 .collect();
             for parent in parents {
-                self.links
-                    .entry(child)
-                    .or_default()
-                    .push(Link { parent, placed });
+                self.links.entry(child).or_default().push(Link {
+                    parent,
+                    placed: placed.clone(),
+                });
             }
             return;
         }
@@ -173,7 +182,7 @@ impl<'a> Assemblies<'a, '_> {
         let Some(transformed) = transformed else {
             // Two representations of one thing: the part's shape, and where its product is described.
             for (child, parent) in [(child, parent), (parent, child)] {
-                let placed = Pose::identity();
+                let placed = Ok(Pose::identity());
                 self.links
                     .entry(child)
                     .or_default()
@@ -196,68 +205,89 @@ impl<'a> Assemblies<'a, '_> {
     }
 
     /// Every way up from a representation.
-    fn place(&self, id: u64, placed: Pose, above: &mut Vec<u64>, found: &mut Vec<Pose>) {
+    fn place(
+        &self,
+        id: u64,
+        placed: Pose,
+        above: &mut Vec<u64>,
+        found: &mut Vec<Pose>,
+    ) -> Result<(), StepError> {
         if above.contains(&id) || above.len() > MOST_DEPTH || found.len() >= MOST_PLACES {
-            return;
+            return Ok(());
         }
         above.push(id);
         let mut top = true;
         for link in self.links.get(&id).into_iter().flatten() {
             if !above.contains(&link.parent) {
                 top = false;
-                self.place(link.parent, link.placed * placed, above, found);
+                self.place(link.parent, link.placed.clone()? * placed, above, found)?;
             }
         }
         if top {
             found.push(placed);
         }
         above.pop();
+        Ok(())
     }
 
-    /// The motion that takes one set of axes to another.
-    fn between(&self, from: Option<u64>, to: Option<u64>) -> Pose {
-        let axes = |id: Option<u64>| {
-            id.and_then(|id| self.axes(id))
-                .unwrap_or_else(Pose::identity)
-        };
-        axes(to) * axes(from).inverse()
+    /// The motion that takes one set of axes to another; those that are left out are the origin's.
+    fn between(&self, from: Option<u64>, to: Option<u64>) -> Result<Pose, StepError> {
+        let axes = |id: Option<u64>| id.map_or(Ok(Pose::identity()), |id| self.axes(id));
+        Ok(axes(to)? * axes(from)?.inverse())
     }
 
     /// `AXIS2_PLACEMENT_3D`: a point, the z axis, and about where x points.
-    fn axes(&self, id: u64) -> Option<Pose> {
-        let records = self.records(id);
+    fn axes(&self, id: u64) -> Result<Pose, StepError> {
+        let records = self.exchange.records(self.exchange.find(id, id)?)?;
         let record = records
             .iter()
-            .find(|record| record.name == "AXIS2_PLACEMENT_3D")?;
-        let at = reference(record.arguments.get(1))?;
-        let origin = cartesian_point(self.exchange, at, id, self.unit).ok()?;
-        let direction = |k: usize, usual: Vector3| {
-            let read = reference(record.arguments.get(k)).and_then(|id| self.direction(id));
-            read.unwrap_or(usual)
+            .find(|record| record.name == "AXIS2_PLACEMENT_3D");
+        let wrong = |wanted| StepError::Attribute {
+            id,
+            what: "a placement".to_owned(),
+            wanted,
+            found: (records.first()).map_or_else(String::new, |record| record.name.to_owned()),
         };
-        let z = direction(2, Vector3::z()).try_normalize(0.0)?;
-        let about = direction(3, Vector3::x());
+        let record = record.ok_or_else(|| wrong("an AXIS2_PLACEMENT_3D"))?;
+        let at = reference(record.arguments.get(1));
+        let at = at.ok_or_else(|| wrong("an AXIS2_PLACEMENT_3D at a point"))?;
+        let origin = cartesian_point(self.exchange, at, id, self.unit)?;
+        let direction = |k: usize, usual: Vector3| match reference(record.arguments.get(k)) {
+            Some(direction) => self.direction(direction, id),
+            None => Ok(usual),
+        };
+        let z = direction(2, Vector3::z())?;
+        let about = direction(3, Vector3::x())?;
         let x = (about - z * z.dot(&about)).try_normalize(1e-12);
-        let x = x.or_else(|| (Vector3::y() - z * z.y).try_normalize(1e-12))?;
+        let x = x.or_else(|| (Vector3::y() - z * z.y).try_normalize(1e-12));
+        let x = x.ok_or_else(|| wrong("an AXIS2_PLACEMENT_3D with two directions"))?;
         let turn = nalgebra::Matrix3::from_columns(&[x, z.cross(&x), z]);
         let turn = nalgebra::Rotation3::from_matrix_unchecked(turn);
-        Some(Pose::from_parts(
+        Ok(Pose::from_parts(
             (origin - Point3::origin()).into(),
             Rotation::from_rotation_matrix(&turn),
         ))
     }
 
-    fn direction(&self, id: u64) -> Option<Vector3> {
-        let records = self.records(id);
-        let record = records.iter().find(|record| record.name == "DIRECTION")?;
-        match record.arguments.last()? {
-            Value::List(values) => match values.as_slice() {
+    /// `DIRECTION`, with length 1.
+    fn direction(&self, id: u64, from: u64) -> Result<Vector3, StepError> {
+        let records = self.exchange.records(self.exchange.find(id, from)?)?;
+        let record = records.iter().find(|record| record.name == "DIRECTION");
+        let ratios = record.and_then(|record| record.arguments.last());
+        let read = match ratios {
+            Some(Value::List(values)) => match values.as_slice() {
                 [Value::Number(x), Value::Number(y), Value::Number(z)] => {
-                    Some(Vector3::new(*x, *y, *z)).filter(|v| v.iter().all(|x| x.is_finite()))
+                    direction_of(&Vector3::new(*x, *y, *z))
                 }
                 _ => None,
             },
             _ => None,
-        }
+        };
+        read.ok_or_else(|| StepError::Attribute {
+            id,
+            what: "DIRECTION".to_owned(),
+            wanted: "three numbers that are not all 0",
+            found: ratios.map_or_else(|| "nothing".to_owned(), Value::shown),
+        })
     }
 }

@@ -412,7 +412,7 @@ impl<'a> Cursor<'a> {
                     self.while_in(|b| b.is_ascii_alphanumeric() || matches!(b, b'+' | b'-' | b'.'));
                 crate::exchange::number::parse(token)
                     .map(Value::Number)
-                    .ok_or_else(|| self.syntax(start, "a number, such as 1.5E-3"))
+                    .ok_or_else(|| self.syntax(start, "a finite number, such as 1.5E-3"))
             }
             Some(byte) if byte.is_ascii_alphabetic() || byte == b'!' => {
                 let name = self.name()?;
@@ -494,7 +494,7 @@ mod tests {
         );
         assert_eq!(
             message("#1=A(1.2.3);"),
-            "line 6: expected a number, such as 1.5E-3, found \"1.2.3)\""
+            "line 6: expected a finite number, such as 1.5E-3, found \"1.2.3)\""
         );
         assert_eq!(
             message("#1=A('x);"),

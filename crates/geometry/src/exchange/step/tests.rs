@@ -318,7 +318,7 @@ fn broken_surfaces_are_refused_with_what_and_where() {
         (
             "(0.,1.,0.)",
             "(0.,1E999,0.)",
-            "#5: control point (0, 1) has coordinate inf, not a finite number",
+            "line 6: expected a finite number, such as 1.5E-3, found \"1E999,0.))\"",
         ),
         (
             ",.UNSPECIFIED.);",

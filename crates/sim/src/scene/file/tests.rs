@@ -89,11 +89,11 @@ fn every_problem_names_its_line() {
         ),
         (
             "[[tool]]\nid = \"a\"\ngrip = { force_max_n = -1 }\n",
-            "s.toml:3:10: the grip's force_max_n is -1",
+            "s.toml:3:10: force_max_n is -1; it must be 0 or more N (0: it never holds)",
         ),
         (
             "[[contact]]\npair = [\"ball\", \"drop\"]\nfriction = { mu = inf }\n",
-            "s.toml:3:14: mu is inf; it must be 0 or more",
+            "s.toml:3:14: mu is inf; it must be 0, or from 1e-15 to 1e15",
         ),
         (
             "[[contact]]\npair = [\"ball\", \"drop\"]\nrestitution = 1.5\n",

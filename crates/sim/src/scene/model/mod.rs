@@ -94,7 +94,8 @@ pub(super) fn build(
         true => Some(None),
         false => mover::build(scene, spec, &placement, at),
     };
-    let original = surface?.oriented_outward().transformed(&placement);
+    let original = surface?.oriented_outward().placed(&placement);
+    let original = at.key("pose").key("position").take(original)?;
     // Copies of a branching surface move together, so they start equal bit for bit.
     let original = if original.joints().is_some() {
         original.with_exact_seams()
