@@ -209,7 +209,7 @@ impl RelaySettings {
         let patience_ms = REACH.as_millis() as u64;
         set(&mut config, "connect/timeout_ms", &json!(patience_ms))?;
         let session = match links::open(config, self.insecure) {
-            Ok((session, _)) => session,
+            Ok(session) => session,
             Err(OpenError::Zenoh(words)) => return Err(unreachable(words)),
             Err(exposed) => return Err(exposed.into()),
         };
@@ -223,8 +223,7 @@ impl RelaySettings {
     }
 
     fn session(&self, upstream: &str) -> Result<zenoh::Session, RelayError> {
-        let (session, _) = links::open(self.router(upstream)?, self.insecure)?;
-        Ok(session)
+        Ok(links::open(self.router(upstream)?, self.insecure)?)
     }
 
     fn router(&self, upstream: &str) -> Result<zenoh::Config, RelayError> {

@@ -202,7 +202,7 @@ mod tests {
     #[test]
     fn without_a_certificate_only_loopback_and_unix_sockets_are_this_machine() {
         let plain = |insecure| {
-            let rules = super::rules("default", [], insecure).unwrap();
+            let rules = rules("default", [], insecure).unwrap();
             let subjects = rules["subjects"].as_array().unwrap().clone();
             subjects
                 .into_iter()

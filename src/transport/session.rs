@@ -228,7 +228,7 @@ pub fn open_told(settings: &SessionSettings) -> Result<(zenoh::Session, Open), S
     let everybody: Vec<String> = openings.into_iter().map(|opening| opening.what).collect();
     let mut others = links::connects_to(&config);
     others.retain(|endpoint| !everybody.contains(endpoint));
-    let (session, _) = links::open(config, insecure)?;
+    let session = links::open(config, insecure)?;
     Ok((session, Open { everybody, others }))
 }
 

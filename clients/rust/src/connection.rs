@@ -190,6 +190,9 @@ impl<M: Clone> Latest<M> {
 /// Between tries to connect again after a link was lost.
 const RETRY: &str = "{ period_init_ms: 200, period_max_ms: 1000, period_increase_factor: 2 }";
 
+/// A link to whoever accepts connections is there after this long.
+const LINK: Duration = Duration::from_secs(2);
+
 /// A session with one daemon.
 pub struct Palpate {
     session: zenoh::Session,
@@ -210,11 +213,7 @@ impl Palpate {
         }
         let mode = if settings.onlooker { "client" } else { "peer" };
         let (mut session, is_peer) = open(settings, mode)?;
-        let info = session.info();
-        if is_peer
-            && info.routers_zid().wait().next().is_some()
-            && info.peers_zid().wait().next().is_none()
-        {
+        if is_peer && joins_router(&session, settings.timeout.min(LINK)) {
             let _ = session.close().wait();
             (session, _) = open(settings, "client")?;
         }
@@ -479,6 +478,19 @@ fn role_hint(has_identity: bool) -> &'static str {
     }
 }
 
+/// Whether a router is at the other end of the first link.
+fn joins_router(session: &zenoh::Session, patience: Duration) -> bool {
+    let (info, begun) = (session.info(), Instant::now());
+    loop {
+        let is_router = info.routers_zid().wait().next().is_some();
+        let is_linked = is_router || info.peers_zid().wait().next().is_some();
+        if is_linked || begun.elapsed() >= patience {
+            return is_router;
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
 /// A session in a mode, unless the configuration names another; and whether it is a peer.
 fn open(settings: &Connect, mode: &str) -> Result<(zenoh::Session, bool), ClientError> {
     let path = settings.zenoh_config.as_deref();
@@ -509,7 +521,7 @@ fn open(settings: &Connect, mode: &str) -> Result<(zenoh::Session, bool), Client
         check_reachable(endpoint, settings.timeout)?;
     }
     let opened = links::open(config, settings.insecure);
-    let (session, _) = opened.map_err(|error| match (secured, error) {
+    let session = opened.map_err(|error| match (secured, error) {
         (Some(endpoint), OpenError::Zenoh(words)) => crate::tls::refused(endpoint, &words),
         (None, OpenError::Zenoh(words)) => ClientError::Zenoh(words),
         (_, OpenError::Exposed(exposed)) => exposed.into(),

@@ -64,20 +64,15 @@ fn listed(openings: &[Opening]) -> String {
     openings.iter().map(one).collect::<Vec<_>>().join(", ")
 }
 
-/// Opens a session. With `insecure` its openings are allowed, and given back.
+/// Opens a session that [`check`] lets pass.
 ///
 /// # Errors
-/// It has openings; Zenoh refused.
-pub fn open(
-    config: zenoh::Config,
-    insecure: bool,
-) -> Result<(zenoh::Session, Vec<Opening>), OpenError> {
-    let openings = check(&config, insecure)?;
+/// It has openings, without `insecure`; Zenoh refused.
+pub fn open(config: zenoh::Config, insecure: bool) -> Result<zenoh::Session, OpenError> {
+    check(&config, insecure)?;
     #[allow(clippy::disallowed_methods)] // Here it is checked.
-    let session = zenoh::open(config)
-        .wait()
-        .map_err(|error| OpenError::Zenoh(error.to_string()))?;
-    Ok((session, openings))
+    let session = zenoh::open(config).wait();
+    session.map_err(|error| OpenError::Zenoh(error.to_string()))
 }
 
 /// The openings of a session with this configuration, if it may have any.
@@ -94,7 +89,17 @@ pub fn check(config: &zenoh::Config, insecure: bool) -> Result<Vec<Opening>, Exp
 
 /// Endpoints to which a session with this configuration connects.
 pub fn connects_to(config: &zenoh::Config) -> Vec<String> {
-    Said(config).endpoints("connect/endpoints")
+    let endpoints = Said(config).endpoints("connect/endpoints");
+    endpoints.iter().map(|endpoint| shown(endpoint)).collect()
+}
+
+/// An endpoint for people: parameters that are not harmless may be keys.
+fn shown(endpoint: &str) -> String {
+    match (endpoint.split_once('#'), EndPoint::from_str(endpoint)) {
+        (Some(_), Ok(parsed)) if is_plain(&parsed) => endpoint.to_owned(),
+        (Some((address, _)), _) => format!("{address}#…"),
+        (None, _) => endpoint.to_owned(),
+    }
 }
 
 /// Every way in and out that neither stays on this machine nor is guarded.
@@ -111,7 +116,7 @@ fn openings(config: &zenoh::Config) -> Vec<Opening> {
     ] {
         for endpoint in said.endpoints(key) {
             if let Err(why) = said.guarded(&endpoint, side) {
-                add(&endpoint, why);
+                add(&shown(&endpoint), why);
             }
         }
     }
@@ -167,12 +172,11 @@ impl Said<'_> {
         if !crate::is_secured(&format!("{protocol}/")) {
             return Err("without TLS");
         }
-        let changes = (endpoint.config().iter()).any(|(key, _)| !HARMLESS.contains(&key));
         let tls = |key: &str| self.value(&format!("transport/link/tls/{key}"));
         let has_authority =
             ["", "_base64"].map(|kind| tls(&format!("root_ca_certificate{kind}")).is_string());
         match side {
-            _ if changes => Err("its parameters may change who is let in"),
+            _ if !is_plain(&endpoint) => Err("its parameters may change who is let in"),
             _ if tls("enable_mtls") != Value::Bool(true) || has_authority == [false, false] => {
                 Err("without an identity")
             }
@@ -202,6 +206,10 @@ impl Said<'_> {
         };
         enabled && targets
     }
+}
+
+fn is_plain(endpoint: &EndPoint) -> bool {
+    (endpoint.config().iter()).all(|(key, _)| HARMLESS.contains(&key))
 }
 
 /// Only programs of this machine can be at the other end of an endpoint's links.

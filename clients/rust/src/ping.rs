@@ -36,8 +36,7 @@ pub fn raw_ping(port: u16, count: usize, interval: Duration) -> Result<PingRepor
         config
             .insert_json5(&format!("{key}/endpoints"), &endpoint)
             .map_err(ClientError::zenoh)?;
-        let (session, _) = crate::links::open(config, false).map_err(ClientError::zenoh)?;
-        Ok::<_, ClientError>(session)
+        crate::links::open(config, false).map_err(ClientError::zenoh)
     };
     let (near, far) = (open("listen")?, open("connect")?);
     let publisher = |session: &zenoh::Session, key: &'static str| {

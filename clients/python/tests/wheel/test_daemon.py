@@ -347,3 +347,11 @@ def test_long_use_of_a_tool_holds_no_more_memory(palpate_daemon: Any) -> None:
             probe.step((0.0, 0.0, 0.03))
         gc.collect()
         assert held() - before < 4 << 20, f"{(held() - before) / 1e6:.1f} MB more"
+
+
+def test_another_machine_without_tls_is_refused_before_it_is_asked() -> None:
+    begun = time.monotonic()
+    for endpoint in ("tcp/10.99.0.2:7447", "tls/10.99.0.2:7447", "tcp/0.0.0.0:7447"):
+        with pytest.raises(pp.ClientError, match="insecure|--identity"):
+            pp.connect(endpoint, timeout=30.0)
+    assert time.monotonic() - begun < 20.0

@@ -133,7 +133,8 @@ fn an_endpoint_cannot_switch_its_own_certificates_off() {
         let endpoint = format!("tls/0.0.0.0:7447#{parameters}");
         for key in BOTH {
             let open = with_endpoint(key, &endpoint, &[MTLS, RULES]);
-            assert_eq!(open.len(), 1, "{key} {parameters}: {open:?}");
+            // A parameter may be a key.
+            assert_eq!(open, ["tls/0.0.0.0:7447#…"], "{key} {parameters}");
         }
     }
 }
