@@ -10,6 +10,7 @@ mod deformation;
 mod deforming_input;
 mod deforming_laws;
 mod examples;
+mod flags;
 mod free_rigid;
 mod friction;
 mod grip;
