@@ -573,7 +573,9 @@ static inline size_t palpate_tool_contact_key(char *out, size_t room, const char
 typedef struct palpate_device_info {
   /* Its name, at most 64 bytes, without control characters. */
   palpate_text name;
-  /* Directions in which it can push, 0 to 3. */
+  /*
+   * Directions in which it can push, 0 to 3. None, and none to turn: it has no motors, as a mouse.
+   */
   uint8_t dof_force;
   /* Axes about which it can turn, 0 to 3. */
   uint8_t dof_torque;
@@ -954,6 +956,15 @@ typedef struct palpate_tool_link {
   uint64_t stale_ticks;
   /* Net work done by the hand on the tool so far, J. */
   double energy_j;
+  /* Forces sent to whoever moves it. */
+  uint64_t forces_sent;
+  /*
+   * Forces that were not sent while somebody moved it, because a newer one was there: the daemon is
+   * short of time.
+   */
+  uint64_t forces_overtaken;
+  /* Forces that were sent and did not arrive, as far as its clients say what they receive. */
+  uint64_t forces_lost;
 } palpate_tool_link;
 
 static inline void palpate_tool_link_read(palpate_reader *reader, palpate_tool_link *out) {
@@ -970,6 +981,9 @@ static inline void palpate_tool_link_read(palpate_reader *reader, palpate_tool_l
   out->jumps = palpate_read_varint(reader, 64);
   out->stale_ticks = palpate_read_varint(reader, 64);
   out->energy_j = palpate_read_f64(reader);
+  out->forces_sent = palpate_read_varint(reader, 64);
+  out->forces_overtaken = palpate_read_varint(reader, 64);
+  out->forces_lost = palpate_read_varint(reader, 64);
 }
 
 static inline void palpate_tool_link_write(palpate_writer *writer, const palpate_tool_link *in) {
@@ -986,6 +1000,9 @@ static inline void palpate_tool_link_write(palpate_writer *writer, const palpate
   palpate_write_varint(writer, in->jumps);
   palpate_write_varint(writer, in->stale_ticks);
   palpate_write_f64(writer, in->energy_j);
+  palpate_write_varint(writer, in->forces_sent);
+  palpate_write_varint(writer, in->forces_overtaken);
+  palpate_write_varint(writer, in->forces_lost);
 }
 
 /* What is being recorded. */
@@ -1049,7 +1066,7 @@ static inline void palpate_loop_status_read(palpate_reader *reader, palpate_loop
   out->skipped_ticks = palpate_read_varint(reader, 64);
   palpate_quantiles_read(reader, &out->period);
   palpate_quantiles_read(reader, &out->step);
-  out->tools.count = palpate_read_count(reader, 20);
+  out->tools.count = palpate_read_count(reader, 23);
   out->tools.bytes = reader->next;
   for (uint64_t k0 = 0; k0 < out->tools.count && reader->fault == PALPATE_OK; k0++) {
     palpate_tool_link item0;
@@ -1078,7 +1095,7 @@ static inline void palpate_loop_status_write(palpate_writer *writer, const palpa
 }
 
 /* Schema of the encoding application/octet-stream that goes with it. */
-#define PALPATE_LOOP_STATUS_SCHEMA "postcard;palpate.LoopStatus.v2"
+#define PALPATE_LOOP_STATUS_SCHEMA "postcard;palpate.LoopStatus.v3"
 /* Greatest size, bytes. */
 #define PALPATE_LOOP_STATUS_MAX_BYTES 16777216
 
@@ -1121,7 +1138,7 @@ enum {
   PALPATE_EVENT_KIND_RESUMED = 2,
   /* A tool sends poses. */
   PALPATE_EVENT_KIND_TOOL_JOINED = 3,
-  /* A tool's poses went stale or its token vanished. */
+  /* No pose of a tool came for so long that the last one is stale. */
   PALPATE_EVENT_KIND_TOOL_LOST = 4,
   /* A pose was refused. */
   PALPATE_EVENT_KIND_POSE_REFUSED = 5,

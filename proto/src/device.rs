@@ -25,6 +25,11 @@ pub enum DeviceError {
 }
 
 impl DeviceInfo {
+    /// It pushes or turns the hand. One that says it does neither, as a mouse does, is only looked at.
+    pub fn has_motors(&self) -> bool {
+        self.dof_force > 0 || self.dof_torque > 0
+    }
+
     /// The description, if a device can be like that.
     ///
     /// # Errors

@@ -132,7 +132,7 @@ crate::layout::messages! {
     {
         /// Its name, at most 64 bytes, without control characters.
         name: String,
-        /// Directions in which it can push, 0 to 3.
+        /// Directions in which it can push, 0 to 3. None, and none to turn: it has no motors, as a mouse.
         dof_force: u8 = left out,
         /// Axes about which it can turn, 0 to 3.
         dof_torque: u8 = left out,
@@ -260,6 +260,13 @@ crate::layout::messages! {
         stale_ticks: u64,
         /// Net work done by the hand on the tool so far, J.
         energy_j: f64,
+        /// Forces sent to whoever moves it.
+        forces_sent: u64,
+        /// Forces that were not sent while somebody moved it, because a newer one was there: the daemon is
+        /// short of time.
+        forces_overtaken: u64,
+        /// Forces that were sent and did not arrive, as far as its clients say what they receive.
+        forces_lost: u64,
     }
 
     /// What is being recorded.
@@ -275,7 +282,7 @@ crate::layout::messages! {
     }
 
     /// Health of the loop, ten times a second.
-    message LoopStatus = "palpate.LoopStatus.v2" on "status" as Health {
+    message LoopStatus = "palpate.LoopStatus.v3" on "status" as Health {
         /// Newest tick.
         tick: u64,
         /// What the loop does.
@@ -316,7 +323,7 @@ crate::layout::messages! {
             /// Tool id.
             tool: String,
         },
-        /// A tool's poses went stale or its token vanished.
+        /// No pose of a tool came for so long that the last one is stale.
         ToolLost {
             /// Tool id.
             tool: String,

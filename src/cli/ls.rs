@@ -42,6 +42,25 @@ struct ListedTool {
     held: bool,
     /// Name from the device's description, if it sent one.
     device: Option<String>,
+    /// Forces of ticks in which it was moved: sent to its client, or not because a newer one was there.
+    forces_sent: u64,
+    forces_overtaken: u64,
+    /// Sent, and not received, as far as its client says.
+    forces_lost: u64,
+}
+
+impl ListedTool {
+    /// Forces that its device did not get, if there are any.
+    fn missed(&self) -> String {
+        let (overtaken, lost) = (self.forces_overtaken, self.forces_lost);
+        let of = self.forces_sent + overtaken;
+        match overtaken + lost {
+            0 => String::new(),
+            missed => format!(
+                ", {missed} of {of} FORCES LOST: {overtaken} not sent in time, {lost} on the way"
+            ),
+        }
+    }
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
@@ -114,11 +133,15 @@ impl Instance {
                 .as_str()
                 .map(str::to_owned)
         };
+        let forces = |id: &str, what: &str| info["forces"][id][what].as_u64().unwrap_or_default();
         self.tools = ids(&info["tools"])
             .into_iter()
             .map(|id| ListedTool {
                 held: false,
                 device: device(&id),
+                forces_sent: forces(&id, "sent"),
+                forces_overtaken: forces(&id, "overtaken"),
+                forces_lost: forces(&id, "lost"),
                 id,
             })
             .collect();
@@ -149,7 +172,7 @@ impl Instance {
                 None => self.tools.push(ListedTool {
                     id: id.to_owned(),
                     held: true,
-                    device: None,
+                    ..ListedTool::default()
                 }),
             },
             _ => {}
@@ -182,7 +205,7 @@ impl Instance {
                 .device
                 .as_ref()
                 .map_or(String::new(), |name| format!(", device {name:?}"));
-            println!("  tool {}: {held}{device}", tool.id);
+            println!("  tool {}: {held}{device}{}", tool.id, tool.missed());
         }
         println!("  bodies {}", self.bodies.join(", "));
         if self.recording {
@@ -194,5 +217,24 @@ impl Instance {
         for (key, name) in &self.publishes {
             println!("  {key}  {name}");
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn forces_that_a_device_did_not_get_are_listed_with_their_causes() {
+        let mut tool = ListedTool {
+            forces_sent: 6_149,
+            ..ListedTool::default()
+        };
+        assert_eq!(tool.missed(), "");
+        (tool.forces_overtaken, tool.forces_lost) = (12, 3);
+        assert_eq!(
+            tool.missed(),
+            ", 15 of 6161 FORCES LOST: 12 not sent in time, 3 on the way"
+        );
     }
 }

@@ -35,7 +35,7 @@ use crate::wire;
 use palpate_client::encoding;
 use palpate_proto::codec::encode;
 use palpate_proto::keys::Keys;
-use palpate_proto::messages::{ALL, EventKind, RecorderState, SceneSnapshot};
+use palpate_proto::messages::{ALL, EventKind, LoopState, RecorderState, SceneSnapshot};
 use palpate_proto::rpc::{Answer, METHODS};
 use palpate_sim::scene::Scene;
 use palpate_sim::scene::spec::Clock;
@@ -209,7 +209,14 @@ impl BusThread {
             counters: ports.counters,
             recorder: settings.recorder,
         };
-        let tally = LoopTally::new(session_of, &keys, &scene, ports.records, gauges)?;
+        let tally = LoopTally::new(
+            session_of,
+            &keys,
+            &scene,
+            ports.records,
+            gauges,
+            roles.player,
+        )?;
         // Last, with the tokens that say that all of it is there.
         let declared = Declared::new(
             session_of, &keys, &scene, poses, &clients, &devices, &intake, roles,
@@ -259,6 +266,7 @@ impl BusThread {
             self.serve();
         }
         self.serve();
+        self.rpc.end();
         self.events.tell(EventKind::Stopping);
         self.publish_status();
         let reason = Answer::refused("the daemon is going down");
@@ -289,6 +297,9 @@ impl BusThread {
     fn serve(&mut self) {
         // First, and all of them: a command waits for no question.
         self.take_commands();
+        if self.tally.is_ending() {
+            self.rpc.end();
+        }
         let player_news = self.rpc.player_news();
         self.take_receipts();
         self.publish_forces();
@@ -370,7 +381,10 @@ impl BusThread {
             let scene = &self.served.scene;
             fresh |= self.forces.publish_next(scene, &mut self.devices);
         }
-        if let Some(news) = self.forces.rate_news() {
+        // A loop that has ended is not slow.
+        if self.rpc.state() != LoopState::Stopping
+            && let Some(news) = self.forces.rate_news()
+        {
             self.tell_rate(news);
         }
         if fresh {
@@ -404,7 +418,7 @@ impl BusThread {
                 tracing::error!(reason);
                 self.events.tell(EventKind::Fault { reason });
             }
-            RateNews::Kept => tracing::warn!("the loop keeps its rate again: forces come back"),
+            RateNews::Kept => tracing::info!("the loop keeps its rate again: forces come back"),
         }
     }
 
@@ -450,7 +464,8 @@ impl BusThread {
     /// Brings the status up to date.
     fn read_gauges(&mut self) {
         let (scene, output) = (&self.served.scene, self.forces.newest());
-        self.tally.read_gauges(scene, output, self.rpc.state());
+        let (state, forces) = (self.rpc.state(), self.forces.counts());
+        self.tally.read_gauges(scene, output, state, &forces);
     }
 
     /// Takes the commands that have come in.
@@ -566,6 +581,7 @@ impl BusThread {
             "tools": (0..scene.tool_count()).map(|t| scene.tool_id(t)).collect::<Vec<_>>(),
             "bodies": (0..scene.body_count()).map(|b| scene.body_id(b)).collect::<Vec<_>>(),
             "devices": self.devices.report(|tool| scene.tool_id(tool)),
+            "forces": self.forces.report(scene),
             "messages": ALL.iter().map(|message| message.name).collect::<Vec<_>>(),
             "methods": METHODS,
             "lockstep": scene.clock == Clock::Lockstep,
@@ -587,7 +603,6 @@ impl BusThread {
             bus_drops: self.tally.bus_drops(),
             events: self.events.count(),
             suppressed: self.devices.all_suppressed(),
-            published: self.forces.published(),
             clients: self.forces.clients(),
             overtaken: self.forces.overtaken(),
             strangers: self.forces.strangers(),

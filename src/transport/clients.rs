@@ -5,11 +5,14 @@
 
 use crate::drive::ports::SenderId;
 use crate::drive::stats::Histogram;
+use std::collections::VecDeque;
 use std::sync::{Mutex, PoisonError};
 use zenoh::bytes::ZBytes;
 
 /// Where the id of a client ends in its attachment, and its receipt begins.
 const ID_BYTES: usize = 24;
+/// Forces that a receipt may name, the newest: a second of a usual loop.
+const SENT_KEPT: usize = 1_000;
 
 /// What a client has received, as it says with a pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,7 +50,25 @@ pub struct ClientCounts {
 
 /// The client of one tool. Receive threads note what it says, the bus thread what is sent.
 #[derive(Debug, Default)]
-pub(super) struct ClientLink(Mutex<Option<Counted>>);
+pub(super) struct ClientLink(Mutex<Link>);
+
+#[derive(Debug, Default)]
+struct Link {
+    counted: Option<Counted>,
+    /// Forces sent so far, and when the newest were, by their stamps.
+    sent: u64,
+    stamps: VecDeque<u64>,
+    /// Forces that did not come to the clients before this one.
+    lost_before: u64,
+}
+
+impl Link {
+    /// How many forces had been sent with the one that has this stamp.
+    fn sent_until(&self, stamp_ns: u64) -> Option<u64> {
+        let newer = self.stamps.iter().rev().position(|&at| at == stamp_ns)?;
+        Some(self.sent - newer as u64)
+    }
+}
 
 #[derive(Debug)]
 struct Counted {
@@ -57,6 +78,10 @@ struct Counted {
     received: u64,
     published: u64,
     age: Histogram,
+    /// Forces sent and received with the first one that it names.
+    base: Option<(u64, u64)>,
+    /// Of those sent since then, up to the one that it named last, the ones that did not come.
+    lost: u64,
 }
 
 impl ClientLink {
@@ -69,22 +94,27 @@ impl ClientLink {
     }
 
     fn note(&self, sender: SenderId, receipt: Receipt, now_ns: u64) {
-        let mut counted = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let same = counted
-            .as_ref()
-            .is_some_and(|counted| counted.sender == sender);
-        if !same {
-            *counted = Some(Counted {
-                sender,
-                before: receipt.received,
-                received: receipt.received,
-                published: 0,
-                age: Histogram::default(),
-            });
+        let mut link = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let link = &mut *link;
+        let sent = link.sent_until(receipt.newest_ns);
+        if let Some(other) = link.counted.take_if(|counted| counted.sender != sender) {
+            link.lost_before += other.lost;
         }
-        let Some(counted) = counted.as_mut() else {
-            return;
-        };
+        let counted = link.counted.get_or_insert_with(|| Counted {
+            sender,
+            before: receipt.received,
+            received: receipt.received,
+            published: 0,
+            age: Histogram::default(),
+            base: None,
+            lost: 0,
+        });
+        // What is on its way is not lost: only forces up to the one that it names should be there.
+        if let Some(sent) = sent {
+            let (sent_then, received_then) = *counted.base.get_or_insert((sent, receipt.received));
+            let here = receipt.received.saturating_sub(received_then);
+            counted.lost = sent.saturating_sub(sent_then).saturating_sub(here);
+        }
         counted.received = counted.received.max(receipt.received);
         // By the daemon's own clock both times. A time to come is a lie or of another daemon.
         if let Some(age_ns) = now_ns
@@ -95,18 +125,30 @@ impl ClientLink {
         }
     }
 
-    /// A force was published.
-    pub(super) fn sent(&self) {
-        let mut counted = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(counted) = counted.as_mut() {
+    /// A force with this stamp is published.
+    pub(super) fn sent(&self, stamp_ns: u64) {
+        let mut link = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        link.sent += 1;
+        if link.stamps.len() == SENT_KEPT {
+            link.stamps.pop_front();
+        }
+        link.stamps.push_back(stamp_ns);
+        if let Some(counted) = &mut link.counted {
             counted.published += 1;
         }
     }
 
+    /// Forces sent, and those of them that did not come to clients that say what comes.
+    pub(super) fn sent_and_lost(&self) -> (u64, u64) {
+        let link = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let lost = link.counted.as_ref().map_or(0, |counted| counted.lost);
+        (link.sent, link.lost_before + lost)
+    }
+
     /// What was counted, if the tool's client says what it receives.
     pub(super) fn counts(&self) -> Option<ClientCounts> {
-        let counted = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        counted.as_ref().map(|counted| ClientCounts {
+        let link = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        link.counted.as_ref().map(|counted| ClientCounts {
             client: counted.sender.short(),
             published: counted.published,
             received: counted.received.saturating_sub(counted.before),
@@ -140,12 +182,12 @@ mod tests {
     #[test]
     fn each_client_is_counted_from_its_first_receipt_on() {
         let link = ClientLink::default();
-        link.sent();
+        link.sent(5);
         assert_eq!(link.counts(), None);
         // It heard 40 forces of the client before it.
         tell(&link, &attachment(1, 40, 0), 9_000);
         for k in 1..=100 {
-            link.sent();
+            link.sent(1_000_000 * k);
             tell(
                 &link,
                 &attachment(1, 40 + k, 1_000_000 * k),
@@ -165,6 +207,38 @@ mod tests {
             (0, 0, [0; 3])
         );
         assert_ne!(other.client, counts.client);
+    }
+
+    // Sixteen forces are under way to a client that speaks sixty times a second, and none of them is lost.
+    #[test]
+    fn a_force_is_lost_when_its_client_has_a_newer_one_and_not_before() {
+        let link = ClientLink::default();
+        let (mut received, mut dropped) = (0, 0);
+        for stamp in 1..=3_000_u64 {
+            link.sent(stamp);
+            // From the thousandth on every tenth is dropped on the way, which takes five of them.
+            let arrived = stamp.saturating_sub(5);
+            if arrived > 0 {
+                let falls = arrived > 1_000 && arrived % 10 == 0;
+                (received, dropped) = (received + u64::from(!falls), dropped + u64::from(falls));
+                if stamp % 16 == 0 && !falls {
+                    tell(&link, &attachment(1, received, arrived), stamp);
+                    assert_eq!(link.sent_and_lost(), (stamp, dropped), "{stamp}");
+                }
+            }
+        }
+        assert!(dropped > 150);
+        // The next holder begins anew, and what was lost before stays counted.
+        link.sent(3_001);
+        tell(&link, &attachment(2, 1, 3_001), 3_001);
+        link.sent(3_002);
+        link.sent(3_003);
+        let before = link.sent_and_lost().1;
+        tell(&link, &attachment(2, 2, 3_003), 3_003);
+        assert_eq!(link.sent_and_lost(), (3_003, before + 1));
+        // A stamp that nothing had says nothing.
+        tell(&link, &attachment(2, 0, 77), 3_004);
+        assert_eq!(link.sent_and_lost(), (3_003, before + 1));
     }
 
     #[test]

@@ -116,8 +116,9 @@ impl Devices {
         device.deadband.set(info.deadband);
         let name = info.name.clone();
         let bounds = wire::device_bounds(scene, tool, &info);
+        // Where nothing is passive `bounded` follows nothing: that advice would be wrong.
         if let Some(passive_n_m) = scene.stiffer_than(tool, &wire::device_figures(&info))
-            && info.damping > 0.0
+            && passive_n_m > 0.0
         {
             tracing::info!(
                 tool = scene.tool_id(tool),

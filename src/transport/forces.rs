@@ -12,7 +12,8 @@ use palpate_proto::codec::encode;
 use palpate_proto::keys::Keys;
 use palpate_proto::messages::{ToolContact, ToolForce, force_flags};
 use palpate_sim::scene::Scene;
-use palpate_sim::tick::record::TickOutput;
+use palpate_sim::tick::flags;
+use palpate_sim::tick::record::{TickOutput, ToolOutput};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
@@ -26,6 +27,8 @@ pub(super) struct Forces {
     tools: Vec<ToolLine>,
     /// Every tick's force is awaited, as in lockstep and out of a recording.
     every: bool,
+    /// The newest tick that came.
+    seen: u64,
     /// The tick whose forces pages have.
     shown: u64,
     rate: RateWatch,
@@ -40,9 +43,30 @@ struct ToolLine {
     contact: Publisher<'static>,
     /// Somebody subscribes to what contacts do.
     contact_wanted: bool,
-    /// Forces published.
-    published: u64,
+    /// Forces that were not published while somebody moved the tool, because newer ones were there.
+    overtaken: u64,
+    /// What the bus and pages were told last was of a pose.
+    told: bool,
+    shown: bool,
     client: Arc<ClientLink>,
+}
+
+/// What became of the forces of a tool.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ForceCounts {
+    /// Published.
+    pub sent: u64,
+    /// Not published while somebody moved the tool, because a newer one was there.
+    pub overtaken: u64,
+    /// Published, and not received by a client that says what it receives.
+    pub lost: u64,
+}
+
+/// Whether a tool's force is told: while there is a pose, and once more when a reset has taken it away, or
+/// everybody would keep the last force.
+fn is_told(told: &mut bool, out: &ToolOutput) -> bool {
+    let here = out.pose_seq > 0;
+    std::mem::replace(told, here) || here
 }
 
 impl Forces {
@@ -63,7 +87,9 @@ impl Forces {
                 force: publisher::<ToolForce>(session, keys.tool_force(id))?,
                 contact: publisher::<ToolContact>(session, keys.tool_contact(id))?,
                 contact_wanted: false,
-                published: 0,
+                overtaken: 0,
+                told: false,
+                shown: false,
                 client: clients[tool].clone(),
             })
         };
@@ -73,6 +99,7 @@ impl Forces {
             newest: TickOutput::for_tools(scene.tool_count()),
             tools: tools.collect::<zenoh::Result<_>>()?,
             every,
+            seen: 0,
             shown: 0,
             rate: RateWatch::new(1.0 / scene.dt_s),
             overtaken: 0,
@@ -94,8 +121,14 @@ impl Forces {
             self.rate.tick(Instant::now());
         }
         // Where not every force is awaited only the newest counts.
-        if !self.every && !self.outputs.is_empty() {
-            self.overtaken += 1;
+        // Those in between did not even come: the bus was too far behind.
+        let missing = output.tick.saturating_sub(self.seen + 1);
+        self.seen = output.tick;
+        let overtaken = !self.every && !self.outputs.is_empty();
+        if !self.every {
+            self.count_overtaken(&output, missing + u64::from(overtaken));
+        }
+        if overtaken {
             return false;
         }
         self.newest.clone_from(&output);
@@ -107,10 +140,10 @@ impl Forces {
 
     fn put_tool(&mut self, tool: usize, scene: &Scene, devices: &mut Devices) {
         let (tick, out) = (self.newest.tick, self.newest.tools[tool]);
-        if out.pose_seq == 0 {
+        if !is_told(&mut self.tools[tool].told, &out) {
             return;
         }
-        if self.every || devices.wants(tool, tick, &out) {
+        if self.every || devices.wants(tool, tick, &out) || out.pose_seq == 0 {
             self.put_force(tool);
         }
         if self.tools[tool].contact_wanted {
@@ -134,7 +167,7 @@ impl Forces {
         self.shown = self.newest.tick;
         for tool in 0..self.tools.len() {
             let out = &self.newest.tools[tool];
-            if out.pose_seq == 0 {
+            if !is_told(&mut self.tools[tool].shown, out) {
                 continue;
             }
             let force = wire::tool_force(self.newest.tick, server_ns(), out);
@@ -156,9 +189,6 @@ impl Forces {
 
     fn put_force(&mut self, tool: usize) {
         let out = &self.newest.tools[tool];
-        if out.pose_seq == 0 {
-            return;
-        }
         let mut force = wire::tool_force(self.newest.tick, server_ns(), out);
         let gain = self.rate.gain();
         if gain < 1.0 {
@@ -167,9 +197,17 @@ impl Forces {
             force.flags |= force_flags::RAMPING;
         }
         let line = &mut self.tools[tool];
+        // Counted first: its client may answer before this thread goes on.
+        line.client.sent(force.t_server_ns);
         let _ = line.force.put(encode(&force)).wait();
-        line.published += 1;
-        line.client.sent();
+    }
+
+    fn count_overtaken(&mut self, output: &TickOutput, ticks: u64) {
+        self.overtaken += ticks;
+        for (line, out) in self.tools.iter_mut().zip(output.tools.as_slice()) {
+            let moved = out.pose_seq > 0 && out.flags & flags::STALE == 0;
+            line.overtaken += ticks * u64::from(moved);
+        }
     }
 
     /// A duplicate pose means that its force got lost.
@@ -179,7 +217,7 @@ impl Forces {
                 .inbox
                 .asked_again
                 .swap(false, Ordering::AcqRel);
-            if asked && self.every {
+            if asked && self.every && self.newest.tools[tool].pose_seq > 0 {
                 self.put_force(tool);
             }
         }
@@ -208,9 +246,32 @@ impl Forces {
         self.tools[tool].inbox.forget_sender();
     }
 
-    /// Forces published, by tool.
-    pub(super) fn published(&self) -> Vec<u64> {
-        self.tools.iter().map(|tool| tool.published).collect()
+    /// What became of them, by tool.
+    pub(super) fn counts(&self) -> Vec<ForceCounts> {
+        let counts = |tool: &ToolLine| {
+            let (sent, lost) = tool.client.sent_and_lost();
+            ForceCounts {
+                sent,
+                overtaken: tool.overtaken,
+                lost,
+            }
+        };
+        self.tools.iter().map(counts).collect()
+    }
+
+    /// The same for people, by tool.
+    pub(super) fn report(&self, scene: &Scene) -> serde_json::Value {
+        let counts = self.counts();
+        let tools = counts.iter().enumerate().map(|(tool, counts)| {
+            let ForceCounts {
+                sent,
+                overtaken,
+                lost,
+            } = counts;
+            let report = serde_json::json!({ "sent": sent, "overtaken": overtaken, "lost": lost });
+            (scene.tool_id(tool).to_owned(), report)
+        });
+        serde_json::Value::Object(tools.collect())
     }
 
     /// What is counted of the clients that say what they receive, by tool.

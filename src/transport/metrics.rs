@@ -55,8 +55,6 @@ pub struct LoopMetrics {
     pub events: u64,
     /// Forces left out because no hand could tell them apart, by tool.
     pub suppressed: Vec<u64>,
-    /// Forces published, by tool.
-    pub published: Vec<u64>,
     /// What reaches the clients that say so, by tool.
     pub clients: Vec<Option<ClientCounts>>,
     /// Ticks whose forces were not published, because newer ones were there.
@@ -357,9 +355,12 @@ impl LoopMetrics {
         });
         let help = "Poses of ROS 2 drivers, by what became of them";
         many(e, "ros2_poses", help, None, MetricType::Counter, adapters)?;
-        let published = self
-            .tools()
-            .map(|(t, id)| ([("tool", id)], of(&self.published, t)));
+        let published = tools.iter().map(|tool| {
+            (
+                [("tool", tool.tool.as_str())],
+                ConstCounter::new(tool.forces_sent),
+            )
+        });
         let help = "Forces sent to devices";
         many(
             e,

@@ -28,6 +28,7 @@ mod rate;
 mod rpc;
 mod schemas;
 mod session;
+mod states;
 mod tally;
 mod view;
 

@@ -6,6 +6,7 @@ use super::edit::Edits;
 use super::events::Events;
 use super::link::LoopLink;
 use super::post::Asked;
+use super::states;
 use crate::drive::archive::{ArchiveNews, ArchiveRequest};
 use crate::drive::editor::Edit;
 use crate::drive::playback::{PlayNews, PlayRequest, PlayerEnd};
@@ -63,9 +64,22 @@ impl Rpc {
         }
         // Nobody waits for its receipt: number 0.
         link.command(0, Command::Pause)?;
-        self.state = LoopState::Paused;
-        events.tell(EventKind::Paused);
+        self.change(Command::Pause, events);
         Ok(())
+    }
+
+    /// The loop ends, whoever said so.
+    pub(super) fn end(&mut self) {
+        self.state = LoopState::Stopping;
+    }
+
+    /// Takes what a command makes of the loop, and tells of it.
+    fn change(&mut self, command: Command, events: &mut Events) {
+        let (state, event) = states::after(self.state, command);
+        self.state = state;
+        if let Some(kind) = event {
+            events.tell(kind);
+        }
     }
 
     /// Carries out a command, or passes it on and keeps the query until its answer comes.
@@ -154,24 +168,7 @@ impl Rpc {
         command: Command,
     ) -> Result<(), String> {
         parties.link.command(id, command)?;
-        let (state, event) = match command {
-            Command::Reset => (None, Some(EventKind::Reset)),
-            Command::Pause => (Some(LoopState::Paused), Some(EventKind::Paused)),
-            Command::Resume => (Some(LoopState::Running), Some(EventKind::Resumed)),
-            Command::Stop => (Some(LoopState::Stopping), None),
-            Command::Step(_)
-            | Command::Quality(_)
-            | Command::PutOff { .. }
-            | Command::Send { .. }
-            | Command::Device { .. } => (None, None),
-        };
-        // Once it is stopping it does nothing else.
-        if self.state != LoopState::Stopping {
-            self.state = state.unwrap_or(self.state);
-        }
-        if let Some(kind) = event {
-            parties.events.tell(kind);
-        }
+        self.change(command, parties.events);
         Ok(())
     }
 
@@ -244,15 +241,8 @@ impl Rpc {
                     self.desk.settle(id, &Answer::refused(reason));
                 }
                 PlayNews::Reset => events.tell(EventKind::Reset),
-                PlayNews::Paused(paused) => {
-                    let (state, kind) = if paused {
-                        (LoopState::Paused, EventKind::Paused)
-                    } else {
-                        (LoopState::Running, EventKind::Resumed)
-                    };
-                    self.state = state;
-                    events.tell(kind);
-                }
+                PlayNews::Paused(true) => self.change(Command::Pause, events),
+                PlayNews::Paused(false) => self.change(Command::Resume, events),
             }
         }
     }

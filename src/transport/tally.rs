@@ -1,18 +1,20 @@
 //! What the loop did, counted: events when something changes, and the status.
 
 use super::events::Events;
+use super::forces::ForceCounts;
+use super::states::{cause_name, quality_reason};
 use crate::drive::journal::JournalGauges;
-use crate::drive::overload::{CAUSES, QUIET};
+use crate::drive::overload::CAUSES;
 use crate::drive::ports::{LinkCounters, LoopCounters, PoseInbox};
 use crate::drive::stats::{Histogram, LATE_NS};
 use crate::wire;
 use palpate_client::publisher;
 use palpate_proto::codec::encode;
 use palpate_proto::keys::Keys;
-use palpate_proto::messages::{EventKind, LoopState, LoopStatus, RecorderState};
+use palpate_proto::messages::{EventKind, LoopState, LoopStatus, RecorderState, ToolLink};
 use palpate_sim::scene::Scene;
 use palpate_sim::tick::flags;
-use palpate_sim::tick::record::{TickOutput, TickRecord};
+use palpate_sim::tick::record::{TickOutput, TickRecord, ToolOutput};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
@@ -27,9 +29,16 @@ const OVERRUNS_EVERY: Duration = Duration::from_secs(1);
 struct ToolTally {
     jumps: u64,
     stale_ticks: u64,
-    stale: bool,
     refused: bool,
-    joined: bool,
+    moved: bool,
+}
+
+impl ToolTally {
+    /// Whether a hand moves the tool. A reset takes its pose away, but not its hand: that may be gone when no
+    /// pose has come for as long as one may be old.
+    fn is_moved(&self, out: &ToolOutput, stale_ticks: f64) -> bool {
+        (out.pose_seq > 0 || self.moved) && f64::from(out.pose_age_ticks) <= stale_ticks
+    }
 }
 
 /// What others count, to be read.
@@ -48,7 +57,11 @@ pub(super) struct LoopTally {
     records: rtrb::Consumer<Arc<TickRecord>>,
     gauges: Gauges,
     status: LoopStatus,
+    /// A recording is played: what happens is told as it was.
+    played: bool,
     tools: Vec<ToolTally>,
+    /// The tick before met a fault.
+    faulty: bool,
     period: Histogram,
     /// Lateness and dropped deadlines of the tick before.
     before: Option<(u64, u32)>,
@@ -68,6 +81,7 @@ impl LoopTally {
         scene: &Scene,
         records: rtrb::Consumer<Arc<TickRecord>>,
         gauges: Gauges,
+        played: bool,
     ) -> zenoh::Result<Self> {
         let status = LoopStatus {
             tick: 0,
@@ -88,6 +102,8 @@ impl LoopTally {
             records,
             gauges,
             status,
+            played,
+            faulty: false,
             tools: vec![ToolTally::default(); scene.tool_count()],
             period: Histogram::default(),
             before: None,
@@ -122,16 +138,15 @@ impl LoopTally {
             let out = &record.output.tools[t];
             let id = || scene.tool_id(t).to_owned();
             let tally = &mut self.tools[t];
-            let stale = out.flags & flags::STALE != 0;
             let refused = out.flags & flags::REFUSED != 0;
-            tally.stale_ticks += u64::from(stale);
+            tally.stale_ticks += u64::from(out.flags & flags::STALE != 0);
             tally.jumps += u64::from(refused);
-            if !stale && !tally.joined && out.pose_seq > 0 {
-                tally.joined = true;
-                events.tell(EventKind::ToolJoined { tool: id() });
-            }
-            if stale && !tally.stale {
-                events.tell(EventKind::ToolLost { tool: id() });
+            let stale_ticks = (scene.spec.tools[t].device.stale_s / scene.dt_s).ceil();
+            let moved = tally.is_moved(out, stale_ticks);
+            match (std::mem::replace(&mut tally.moved, moved), moved) {
+                (false, true) => events.tell(EventKind::ToolJoined { tool: id() }),
+                (true, false) => events.tell(EventKind::ToolLost { tool: id() }),
+                (false, false) | (true, true) => {}
             }
             if refused && !tally.refused {
                 events.tell(EventKind::PoseRefused {
@@ -139,19 +154,17 @@ impl LoopTally {
                     reason: "it jumped farther than the tool can move".into(),
                 });
             }
-            (tally.stale, tally.refused) = (stale, refused);
-            if stale {
-                tally.joined = false;
-            } else if out.pose_seq > 0 {
-                tally.joined = true;
-            }
+            tally.refused = refused;
         }
         self.tell_quality(record.output.quality, events);
-        if record.output.fault.is_some() {
+        let faulty = record.output.fault.is_some();
+        if faulty && !self.faulty {
             events.tell(EventKind::Fault {
-                reason: "a state was not finite; the body was set back to rest".into(),
+                reason: "a force or a state was not finite; the force was made zero, a body set back to rest"
+                    .into(),
             });
         }
+        self.faulty = faulty;
     }
 
     /// The level of quality, when it is another than in the last record.
@@ -159,20 +172,18 @@ impl LoopTally {
         if level == self.status.quality_level {
             return;
         }
-        let reason = match self.gauges.counters.quality_cause.load(Ordering::Relaxed) {
-            QUIET => "ticks have ended in good time for a while".to_owned(),
-            cause => format!(
-                "a tenth of the ticks overran, most of their time in {}",
-                cause_name(cause)
+        let cause = self.gauges.counters.quality_cause.load(Ordering::Relaxed);
+        let before = self.status.quality_level;
+        let reason = quality_reason(before, level, (!self.played).then_some(cause));
+        match level > before {
+            true => tracing::warn!(
+                level,
+                reason,
+                "quality changed; if it stays so, `palpate doctor SCENE` tells whether this machine holds the scene, \
+                 `palpate plan SCENE` what costs"
             ),
-        };
-        let advice = match level {
-            0 => "full quality again",
-            _ => {
-                "if it stays, the scene is too large for this machine: `palpate plan SCENE` shows what costs, `palpate doctor SCENE` what this machine holds"
-            }
-        };
-        tracing::warn!(level, reason, advice, "quality changed");
+            false => tracing::info!(level, reason, "quality changed"),
+        }
         self.status.quality_level = level;
         events.tell(EventKind::QualityChanged { level, reason });
     }
@@ -240,21 +251,32 @@ impl LoopTally {
 
     /// Brings the status up to date with what others count: `output` is the newest one, `state`
     /// what the loop was asked to do.
-    pub(super) fn read_gauges(&mut self, scene: &Scene, output: &TickOutput, state: LoopState) {
+    pub(super) fn read_gauges(
+        &mut self,
+        scene: &Scene,
+        output: &TickOutput,
+        state: LoopState,
+        forces: &[ForceCounts],
+    ) {
         self.status.state = state;
-        self.status.tools = (0..scene.tool_count())
-            .map(|t| {
-                let tally = &self.tools[t];
-                let counters: &LinkCounters = &self.gauges.poses[t].counters;
-                wire::tool_link(
-                    scene.tool_id(t),
-                    counters,
-                    tally.jumps,
-                    tally.stale_ticks,
-                    output.tools[t].energy_j,
-                )
-            })
-            .collect();
+        let link = |(t, forces): (usize, &ForceCounts)| {
+            let tally = &self.tools[t];
+            let counters: &LinkCounters = &self.gauges.poses[t].counters;
+            let link = wire::tool_link(
+                scene.tool_id(t),
+                counters,
+                tally.jumps,
+                tally.stale_ticks,
+                output.tools[t].energy_j,
+            );
+            ToolLink {
+                forces_sent: forces.sent,
+                forces_overtaken: forces.overtaken,
+                forces_lost: forces.lost,
+                ..link
+            }
+        };
+        self.status.tools = forces.iter().enumerate().map(link).collect();
         if let Some(recorder) = &self.gauges.recorder {
             self.status.recorder = wire::recorder_state(recorder.state.load(Ordering::Relaxed));
             self.status.recorder_bytes = recorder.bytes.load(Ordering::Relaxed);
@@ -272,12 +294,49 @@ impl LoopTally {
         self.overruns
     }
 
+    /// The loop was told to end, by whomever.
+    pub(super) fn is_ending(&self) -> bool {
+        let LoopCounters { stop, finished, .. } = &*self.gauges.counters;
+        stop.load(Ordering::Relaxed) || finished.load(Ordering::Relaxed)
+    }
+
     /// Records that the bus did not take in time.
     pub(super) fn bus_drops(&self) -> u64 {
         self.gauges.counters.bus_drops.load(Ordering::Relaxed)
     }
 }
 
-fn cause_name(cause: usize) -> &'static str {
-    CAUSES.get(cause).copied().unwrap_or("the system")
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tool_is_moved_while_its_poses_are_fresh_and_a_reset_alone_does_not_take_its_hand_away() {
+        // The pose in use, its age, whether the tool is moved.
+        let rows = [
+            ("nobody has come", 0, 1, false),
+            ("for long", 0, 9_000, false),
+            ("a pose", 1, 0, true),
+            ("no other for as long as may be", 1, 50, true),
+            ("too long", 1, 51, false),
+            ("for ever", 1, 9_000, false),
+            ("a pose again", 2, 0, true),
+            ("a reset", 0, 1, true),
+            ("the next pose", 3, 0, true),
+            ("another reset", 0, 1, true),
+            ("no pose after it", 0, 50, true),
+            ("nor later", 0, 51, false),
+            ("a reset when nobody is there", 0, 1, false),
+        ];
+        let mut tally = ToolTally::default();
+        for (what, pose_seq, pose_age_ticks, moved) in rows {
+            let out = ToolOutput {
+                pose_seq,
+                pose_age_ticks,
+                ..ToolOutput::default()
+            };
+            tally.moved = tally.is_moved(&out, 50.0);
+            assert_eq!(tally.moved, moved, "{what}");
+        }
+    }
 }

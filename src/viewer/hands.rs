@@ -3,17 +3,20 @@
 //! A thread of its own speaks to the bus through the daemon's session: poses of pages are admitted,
 //! counted and recorded where those of all clients are, and a slow bus does not hold up the sockets.
 //!
-//! In lockstep a tick waits for a pose of every tool, and a page has sixty a second: there the newest
-//! pose is repeated with new numbers, as often as the loop would tick at the speed that is asked for.
+//! In lockstep a tick waits for a pose of every tool, and a page has sixty a second; in real time a mouse,
+//! which has no motor, may be silent for a moment. Both times its newest pose is sent again ([`Steady`]).
 
 use super::frames::{answer_frame, refused_frame};
 use super::holders::{Holders, Socket};
+use super::steady::{Pace, Steady};
 use axum::body::Bytes;
 use palpate_client::{holder_id, publisher};
 use palpate_proto::codec::{decode, encode};
 use palpate_proto::keys::Keys;
 use palpate_proto::messages::{DeviceInfo, ToolPose};
 use palpate_proto::rpc::{Answer, Call, METHODS};
+use palpate_sim::scene::Scene;
+use palpate_sim::scene::spec::Clock;
 use std::collections::HashMap;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
@@ -65,9 +68,13 @@ struct Held {
     devices: Publisher<'static>,
     /// Goes with each message: who sends it.
     holder: Vec<u8>,
+    /// Its device pushes the hand.
+    motors: bool,
     _token: LivelinessToken,
-    /// In lockstep: the newest pose of the page, as it is sent.
-    repeated: Option<ToolPose>,
+    /// How its poses are repeated; `None`: each is passed on once, as it came.
+    pace: Option<Pace>,
+    /// What is repeated, once there was a pose.
+    steady: Option<Steady>,
 }
 
 /// The pages' end of the bus.
@@ -78,31 +85,15 @@ struct Hands {
     held: HashMap<String, Held>,
     /// A recording is played here: nobody moves its tools.
     played: bool,
-    /// In lockstep: when the next poses are due.
-    pace: Option<Pace>,
-}
-
-/// How fast poses are repeated.
-struct Pace {
-    dt_s: f64,
+    scene: Arc<Scene>,
+    /// In lockstep, simulated over real time.
     speed: f64,
-    next: Instant,
 }
 
 /// What a page may ask for, simulated over real time.
 const SPEEDS: std::ops::RangeInclusive<f64> = 1e-3..=10.0;
-/// A bus that was held up for longer is not caught up with.
-const CATCH_UP: Duration = Duration::from_millis(100);
-
-impl Pace {
-    fn period(&self) -> Duration {
-        Duration::from_secs_f64(self.dt_s / self.speed)
-    }
-}
 
 /// Starts the thread; it ends when nobody can give orders any more.
-///
-/// `lockstep_s`: the length of a tick, in a scene whose ticks wait for poses.
 ///
 /// # Errors
 /// No thread could be made.
@@ -111,7 +102,7 @@ pub(super) fn start(
     keys: Keys,
     holders: Arc<Holders>,
     played: bool,
-    lockstep_s: Option<f64>,
+    scene: Arc<Scene>,
 ) -> std::io::Result<SyncSender<FromPage>> {
     let (orders, inbox) = sync_channel(ORDERS);
     let hands = Hands {
@@ -120,11 +111,8 @@ pub(super) fn start(
         holders,
         held: HashMap::new(),
         played,
-        pace: lockstep_s.map(|dt_s| Pace {
-            dt_s,
-            speed: 1.0,
-            next: Instant::now(),
-        }),
+        scene,
+        speed: 1.0,
     };
     std::thread::Builder::new()
         .name("palpate-hands".into())
@@ -135,7 +123,8 @@ pub(super) fn start(
 impl Hands {
     fn run(mut self, inbox: &Receiver<FromPage>) {
         loop {
-            let order = match self.next_repeat() {
+            self.send_due();
+            let order = match self.next_due() {
                 None => inbox.recv().map_err(|_| RecvTimeoutError::Disconnected),
                 Some(due) => inbox.recv_timeout(due.saturating_duration_since(Instant::now())),
             };
@@ -145,10 +134,7 @@ impl Hands {
                 outbox,
             } = match order {
                 Ok(order) => order,
-                Err(RecvTimeoutError::Timeout) => {
-                    self.repeat();
-                    continue;
-                }
+                Err(RecvTimeoutError::Timeout) => continue,
                 Err(RecvTimeoutError::Disconnected) => return,
             };
             let (key, done) = match order {
@@ -191,8 +177,14 @@ impl Hands {
             name => name,
         };
         let has_it = self.holders.claim(socket, tool, name)?;
+        if has_it && (self.held.get(tool)).is_some_and(|held| held.motors != info.has_motors()) {
+            return Err(format!(
+                "tool {tool:?} was taken by a device {} motors (dof_force, dof_torque): give it back before another takes it",
+                if info.has_motors() { "without" } else { "with" }
+            ));
+        }
         if !has_it {
-            match self.hold(tool) {
+            match self.hold(tool, &info) {
                 Ok(held) => drop(self.held.insert(tool.to_owned(), held)),
                 Err(error) => {
                     self.holders.release(tool);
@@ -210,7 +202,7 @@ impl Hands {
         }
     }
 
-    fn hold(&self, tool: &str) -> zenoh::Result<Held> {
+    fn hold(&self, tool: &str, info: &DeviceInfo) -> zenoh::Result<Held> {
         let keys = &self.keys;
         Ok(Held {
             // As every client holds its tool.
@@ -220,21 +212,38 @@ impl Hands {
             poses: publisher::<ToolPose>(&self.session, keys.tool_pose(tool))?,
             devices: publisher::<DeviceInfo>(&self.session, keys.tool_device(tool))?,
             holder: holder_id(&self.session),
-            repeated: None,
+            motors: info.has_motors(),
+            pace: self.pace_of(tool, info),
+            steady: None,
         })
     }
 
-    /// As it came: whether it is a pose is judged where those of all clients are.
+    /// How the poses of a device are repeated: in lockstep of any, in real time of one that pushes nobody. Who
+    /// has a motor in the hand must lose the force when its poses stop.
+    fn pace_of(&self, tool: &str, info: &DeviceInfo) -> Option<Pace> {
+        if self.scene.clock == Clock::Lockstep {
+            return Some(Pace::Lockstep {
+                every: Duration::from_secs_f64(self.scene.dt_s / self.speed),
+            });
+        }
+        let tool = self.scene.tool_index(tool).filter(|_| !info.has_motors())?;
+        let device = &self.scene.spec.tools[tool].device;
+        Some(Pace::realtime(device.stale_s, device.speed_max_m_s))
+    }
+
+    /// What is no pose is passed on as it came: that is judged and counted where those of all clients are.
     fn pose(&mut self, socket: Socket, tool: &str, pose: &[u8]) -> Result<(), String> {
         let mine = self.holders.holds(socket, tool);
         let Some(held) = self.held.get_mut(tool).filter(|_| mine) else {
             return Err(format!("this page does not hold tool {tool:?}"));
         };
-        if self.pace.is_some()
-            && let Ok(pose) = decode::<ToolPose>(pose, "")
-        {
-            let seq = held.repeated.map_or(0, |repeated| repeated.seq);
-            held.repeated = Some(ToolPose { seq, ..pose });
+        let read = decode::<ToolPose>(pose, "").map(ToolPose::validated);
+        if let (Some(pace), Ok(Ok(pose))) = (held.pace, read) {
+            let now = Instant::now();
+            match &mut held.steady {
+                Some(steady) => steady.take(&pose, now, pace),
+                None => held.steady = Some(Steady::new(&pose, now)),
+            }
             return Ok(());
         }
         let put = held.poses.put(pose).attachment(&held.holder).wait();
@@ -242,45 +251,43 @@ impl Hands {
     }
 
     fn set_speed(&mut self, speed: f64) -> Result<(), String> {
-        match &mut self.pace {
-            None => {
-                Err("this scene runs in real time: only scenes in lockstep have a speed".into())
-            }
-            Some(_) if !SPEEDS.contains(&speed) => Err(format!(
+        if self.scene.clock != Clock::Lockstep {
+            return Err(
+                "this scene runs in real time: only scenes in lockstep have a speed".into(),
+            );
+        }
+        if !SPEEDS.contains(&speed) {
+            return Err(format!(
                 "a speed is a number from {} to {}, not {speed}",
                 SPEEDS.start(),
                 SPEEDS.end()
-            )),
-            Some(pace) => {
-                pace.speed = speed;
-                Ok(())
-            }
+            ));
         }
-    }
-
-    /// When poses are to be repeated, if any are.
-    fn next_repeat(&mut self) -> Option<Instant> {
-        let pace = self.pace.as_mut()?;
-        let any = self.held.values().any(|held| held.repeated.is_some());
-        any.then(|| {
-            let now = Instant::now();
-            if now.saturating_duration_since(pace.next) > CATCH_UP {
-                pace.next = now;
-            }
-            pace.next
-        })
-    }
-
-    /// Sends the newest poses once more.
-    fn repeat(&mut self) {
-        if let Some(pace) = &mut self.pace {
-            pace.next += pace.period();
-        }
+        self.speed = speed;
+        let every = Duration::from_secs_f64(self.scene.dt_s / speed);
         for held in self.held.values_mut() {
-            if let Some(pose) = &mut held.repeated {
-                pose.seq += 1;
-                let put = held.poses.put(encode(pose));
-                let _ = put.attachment(&held.holder).wait();
+            held.pace = Some(Pace::Lockstep { every });
+        }
+        Ok(())
+    }
+
+    /// When the next pose leaves, if one does.
+    fn next_due(&self) -> Option<Instant> {
+        let due = |held: &Held| held.steady.as_ref()?.due(held.pace?);
+        self.held.values().filter_map(due).min()
+    }
+
+    /// Sends the poses whose time has come.
+    fn send_due(&mut self) {
+        let now = Instant::now();
+        for held in self.held.values_mut() {
+            let (Some(steady), Some(pace)) = (&mut held.steady, held.pace) else {
+                continue;
+            };
+            if steady.due(pace).is_some_and(|due| due <= now) {
+                let pose = encode(&steady.send(now, pace));
+                // A link that is gone says so with the next claim or pose that is passed on.
+                let _ = held.poses.put(pose).attachment(&held.holder).wait();
             }
         }
     }

@@ -24,6 +24,7 @@ mod recordings;
 mod server;
 mod session;
 mod socket;
+mod steady;
 
 pub use feed::Feed;
 pub(crate) use guard::Hosts;
@@ -126,7 +127,7 @@ impl Viewer {
             keys,
             holders.clone(),
             settings.played,
-            lockstep.then_some(scene.dt_s),
+            scene.clone(),
         )
         .map_err(|e| system(&e))?;
         let token = match settings.view_only {

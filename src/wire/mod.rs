@@ -92,9 +92,9 @@ pub fn device_figures(info: &wire::DeviceInfo) -> DeviceFigures {
 
 /// What the loop may do with a device that reported itself so.
 pub fn device_bounds(scene: &Scene, tool: usize, info: &wire::DeviceInfo) -> DeviceBounds {
-    // A device that does not twist has no use for torque.
+    // A device that pushes and does not twist has no use for torque. Without any motor both are looked at only.
     let torque_max_nm = match info.dof_torque {
-        0 => 0.0,
+        0 if info.has_motors() => 0.0,
         _ => info.torque_max,
     };
     DeviceBounds {
@@ -235,7 +235,7 @@ pub fn quantiles(histogram: &Histogram) -> wire::Quantiles {
     }
 }
 
-/// Counters of a tool's link.
+/// Counters of a tool's poses; those of its forces are zero.
 pub fn tool_link(
     id: &str,
     counters: &LinkCounters,
@@ -259,6 +259,7 @@ pub fn tool_link(
         jumps,
         stale_ticks,
         energy_j,
+        ..wire::ToolLink::default()
     }
 }
 

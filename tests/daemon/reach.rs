@@ -1,8 +1,14 @@
 //! What reaches a client, as the daemon's metrics tell it.
 
-use crate::daemon::{Daemon, SOFT_DROP, device};
+use crate::daemon::{Daemon, PROGRAM, SOFT_DROP, device};
+use crate::wire::{bare, until};
 use palpate_client::pose_at;
+use palpate_client::proto::codec::{decode, encode};
+use palpate_client::proto::messages::{ToolForce, ToolPose};
+use std::process::Command;
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
+use zenoh::Wait as _;
 
 /// Values of a metric, with their labels.
 fn values(metrics: &str, name: &str) -> Vec<(String, f64)> {
@@ -76,4 +82,59 @@ fn metrics_say_what_each_client_received_and_how_old_it_was() {
         second[0].1 <= forces && second[0].1 > 0.5 * forces,
         "{second:?} {report}"
     );
+}
+
+// A client that drops two of three forces says so with its poses.
+#[test]
+fn forces_that_did_not_reach_a_client_are_in_the_status_and_in_ls() {
+    let directory = tempfile::tempdir().unwrap();
+    let daemon = Daemon::start(directory.path(), SOFT_DROP, &[]);
+    let palpate = daemon.connect();
+    let session = bare(&daemon.endpoint);
+    // Forces that came, and the stamp of the newest.
+    let heard = Arc::new(Mutex::new((0_u64, 0_u64)));
+    let shared = heard.clone();
+    let _forces = session
+        .declare_subscriber("palpate/default/tool/ball/force")
+        .callback(move |sample| {
+            let force: ToolForce = decode(&sample.payload().to_bytes(), "").unwrap();
+            let mut heard = shared.lock().unwrap();
+            *heard = (heard.0 + 1, force.t_server_ns);
+        })
+        .wait()
+        .unwrap();
+    let mut seq = 0;
+    let link = until(
+        "a hundred lost forces",
+        || {
+            for _ in 0..20 {
+                seq += 1;
+                let pose = ToolPose {
+                    seq,
+                    ..pose_at([0.06, 0.003, 0.045])
+                };
+                let (count, newest_ns) = *heard.lock().unwrap();
+                let receipt = [
+                    &[7; 24][..],
+                    &(count / 3).to_le_bytes(),
+                    &newest_ns.to_le_bytes(),
+                ];
+                session
+                    .put("palpate/default/tool/ball/pose", encode(&pose))
+                    .attachment(receipt.concat())
+                    .wait()
+                    .unwrap();
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            palpate.status().unwrap().tools[0].clone()
+        },
+        |link| link.forces_lost >= 100,
+    );
+    assert!(link.forces_sent > link.forces_lost, "{link:?}");
+    let listed = Command::new(PROGRAM)
+        .args(["ls", "-e", &daemon.endpoint])
+        .output()
+        .unwrap();
+    let listed = String::from_utf8_lossy(&listed.stdout).into_owned();
+    assert!(listed.contains("FORCES LOST"), "{listed}");
 }

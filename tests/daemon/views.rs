@@ -203,7 +203,7 @@ fn pictures_show_the_nets_and_tools_of_their_ticks() {
         (logs.len(), logs[0].1.message.as_str()),
         (1, "tool lost: ball")
     );
-    assert_eq!(logs[0].1.level(), fox::log::Level::Warning);
+    assert_eq!(logs[0].1.level(), fox::log::Level::Info);
 }
 
 #[test]

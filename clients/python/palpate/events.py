@@ -34,7 +34,7 @@ class ToolJoined:
 
 @dataclass(frozen=True)
 class ToolLost:
-    """A tool's poses went stale or its token vanished."""
+    """No pose of a tool came for so long that the last one is stale."""
 
     tool: str
     """Tool id."""

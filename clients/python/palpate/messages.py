@@ -134,7 +134,7 @@ class DeviceInfo(Message):
     name: str
     """Its name, at most 64 bytes, without control characters."""
     dof_force: U8 = 0
-    """Directions in which it can push, 0 to 3."""
+    """Directions in which it can push, 0 to 3. None, and none to turn: it has no motors, as a mouse."""
     dof_torque: U8 = 0
     """Axes about which it can turn, 0 to 3."""
     workspace: Vector = (0.0, 0.0, 0.0)
@@ -278,6 +278,12 @@ class ToolLink:
     """Ticks whose newest pose was stale."""
     energy_j: float
     """Net work done by the hand on the tool so far, J."""
+    forces_sent: U64
+    """Forces sent to whoever moves it."""
+    forces_overtaken: U64
+    """Forces that were not sent while somebody moved it, because a newer one was there: the daemon is short of time."""
+    forces_lost: U64
+    """Forces that were sent and did not arrive, as far as its clients say what they receive."""
 
 
 class RecorderState(enum.IntEnum):
@@ -297,7 +303,7 @@ class RecorderState(enum.IntEnum):
 class LoopStatus(Message):
     """Health of the loop, ten times a second."""
 
-    NAME = "palpate.LoopStatus.v2"
+    NAME = "palpate.LoopStatus.v3"
     KEY = "palpate/{instance}/status"
 
     tick: U64

@@ -19,7 +19,7 @@ export const EventKind = cases({
     /** Tool id. */
     tool: text,
   }),
-  /** A tool's poses went stale or its token vanished. */
+  /** No pose of a tool came for so long that the last one is stale. */
   ToolLost: struct({
     /** Tool id. */
     tool: text,

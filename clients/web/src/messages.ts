@@ -117,7 +117,7 @@ export type ToolContact = Of<typeof ToolContact>;
 export const DeviceInfo = message("palpate.DeviceInfo.v1", "tool/{tool}/device", {
   /** Its name, at most 64 bytes, without control characters. */
   name: text,
-  /** Directions in which it can push, 0 to 3. */
+  /** Directions in which it can push, 0 to 3. None, and none to turn: it has no motors, as a mouse. */
   dof_force: u8,
   /** Axes about which it can turn, 0 to 3. */
   dof_torque: u8,
@@ -252,6 +252,12 @@ export const ToolLink = struct({
   stale_ticks: u64,
   /** Net work done by the hand on the tool so far, J. */
   energy_j: f64,
+  /** Forces sent to whoever moves it. */
+  forces_sent: u64,
+  /** Forces that were not sent while somebody moved it, because a newer one was there: the daemon is short of time. */
+  forces_overtaken: u64,
+  /** Forces that were sent and did not arrive, as far as its clients say what they receive. */
+  forces_lost: u64,
 });
 export type ToolLink = Value<typeof ToolLink>;
 
@@ -269,7 +275,7 @@ export const RecorderState = choice(
 export type RecorderState = Value<typeof RecorderState>;
 
 /** Health of the loop, ten times a second. */
-export const LoopStatus = message("palpate.LoopStatus.v2", "status", {
+export const LoopStatus = message("palpate.LoopStatus.v3", "status", {
   /** Newest tick. */
   tick: u64,
   /** What the loop does. */

@@ -118,6 +118,8 @@ test("the hand sends no pose before the tool is its own, then 60 a second or mor
   assert.deepEqual(said.map(({ what }) => what), ["claim"]);
   assert.ok(bus.encode(bus.DeviceInfo, said[0].info).length > 0);
   assert.equal(said[0].info.rate_hz, 60);
+  // Without motors: the daemon holds it while the page is busy.
+  assert.deepEqual([said[0].info.dof_force, said[0].info.dof_torque], [0, 0]);
   world.tools[0].holder = hand.name;
   // As many turns as a timer of 60 a second has beside it on this computer, busy or not.
   let turns = 0;
@@ -144,6 +146,23 @@ test("a flick of the mouse becomes a motion that the loop accepts", async () => 
     assert.ok(moved <= 3 * seconds + 1e-3, `${moved} m in ${seconds} s`);
     assert.ok(Math.abs(poses[k].pose.linear_velocity[0]) <= 4);
   }
+  hand.end(null);
+});
+
+test("after a pause the hand goes on in strides that the loop accepts, and by the speed it had", async () => {
+  const { world, hand, said } = handOf();
+  hand.take(world.tools[0]);
+  world.tools[0].holder = hand.name;
+  await sleep(30);
+  const before = said.length;
+  hand.move([5, 0, 0]);
+  for (const end = performance.now() + 120; performance.now() < end;);
+  await sleep(30);
+  const poses = said.slice(before - 1).map(({ pose }) => pose);
+  assert.ok(poses.length > 2);
+  // The loop believes 10 m/s, from the repeated pose before it on, for which a late one waits 25 ms at most.
+  for (let k = 1; k < poses.length; k++) assert.ok(Math.abs(poses[k].position[0] - poses[k - 1].position[0]) <= 0.1);
+  for (const pose of poses) assert.ok(Math.abs(pose.linear_velocity[0]) <= 3);
   hand.end(null);
 });
 

@@ -225,7 +225,10 @@ pub(crate) fn log(stamp: fox::Timestamp, kind: &str, detail: &str) -> Vec<u8> {
     use fox::log::Level;
     let level = match kind {
         "fault" | "record_failed" => Level::Error,
-        "overrun" | "quality_changed" | "pose_refused" | "tool_lost" => Level::Warning,
+        "overrun" | "pose_refused" => Level::Warning,
+        // Its reason begins with the way it went.
+        "quality_changed" if detail.contains(": lowered") => Level::Warning,
+        // Quality that rises, a hand that lets go.
         _ => Level::Info,
     };
     let message = match detail {
@@ -241,4 +244,45 @@ pub(crate) fn log(stamp: fox::Timestamp, kind: &str, detail: &str) -> Vec<u8> {
         line: 0,
     };
     log.encode_to_vec()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fox::log::Level;
+
+    #[test]
+    fn good_news_is_no_warning_in_the_log() {
+        let level = |kind: &str, detail: &str| {
+            let line = log(stamp_of(0), kind, detail);
+            fox::Log::decode(&line[..]).unwrap().level()
+        };
+        let table = [
+            ("fault", "a state was not finite", Level::Error),
+            ("record_failed", "a.mcap: disk full", Level::Error),
+            ("overrun", "wake: 3 ticks, worst 5 ns", Level::Warning),
+            ("pose_refused", "ball: it jumped", Level::Warning),
+            (
+                "quality_changed",
+                "1: lowered from level 0: a tenth of the ticks overran",
+                Level::Warning,
+            ),
+            (
+                "quality_changed",
+                "1: raised from level 2: ticks have ended in good time",
+                Level::Info,
+            ),
+            (
+                "quality_changed",
+                "0: raised from level 1: ticks have ended in good time",
+                Level::Info,
+            ),
+            ("tool_joined", "ball", Level::Info),
+            ("tool_lost", "ball", Level::Info),
+            ("resumed", "", Level::Info),
+        ];
+        for (kind, detail, expected) in table {
+            assert_eq!(level(kind, detail), expected, "{kind} {detail}");
+        }
+    }
 }

@@ -199,12 +199,21 @@ impl Page {
         self.send(&format!("tool/{tool}/device"), &encode(&mouse(name)));
     }
 
+    /// Takes a tool with a device that pushes nobody.
+    pub fn claim_without_motors(&mut self, tool: &str, name: &str) {
+        let info = DeviceInfo {
+            dof_force: 0,
+            ..mouse(name)
+        };
+        self.send(&format!("tool/{tool}/device"), &encode(&info));
+    }
+
     pub fn pose(&mut self, tool: &str, pose: &ToolPose) {
         self.send(&format!("tool/{tool}/pose"), &encode(pose));
     }
 }
 
-/// A page's mouse.
+/// A device of a page that can push, unlike its mouse.
 pub fn mouse(name: &str) -> DeviceInfo {
     DeviceInfo {
         name: name.into(),

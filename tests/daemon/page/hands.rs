@@ -4,9 +4,12 @@ use super::{SOFT, TWO_BALLS};
 use crate::daemon::PROGRAM;
 use crate::page::{Page, serve};
 use palpate_client::pose_at;
-use palpate_client::proto::messages::{LoopState, ToolForce, ToolPose};
+use palpate_client::proto::codec::decode;
+use palpate_client::proto::messages::{
+    EventKind, LoopState, SimEvent, ToolForce, ToolPose, force_flags,
+};
 use std::process::Command;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 fn press(page: &mut Page, ticks: u64) -> f64 {
     let mut strongest = 0.0_f64;
@@ -20,7 +23,7 @@ fn press(page: &mut Page, ticks: u64) -> f64 {
         page.pose("ball", &pose);
         let force = page.until("its force", |key, payload| {
             (key == "tool/ball/force").then_some(())?;
-            let force: ToolForce = palpate_client::proto::codec::decode(payload, "").unwrap();
+            let force: ToolForce = decode(payload, "").unwrap();
             (force.pose_seq >= seq).then_some(force)
         });
         strongest = strongest.max(force.force[0].abs());
@@ -66,6 +69,169 @@ fn a_page_s_mouse_presses_the_body_and_its_recording_replays_bit_for_bit() {
     let info: serde_json::Value = serde_json::from_slice(&info.stdout).unwrap();
     let peak = info["tools"][0]["peak_force_n"].as_f64().unwrap();
     assert!(peak >= strongest - 1e-9, "{peak} N, {strongest} N");
+}
+
+/// A soft drop and a ball whose pose is stale after 0.4 s, long enough for a busy machine.
+fn patient() -> String {
+    format!("{SOFT}device = {{ stale_s = 0.4 }}\n")
+}
+
+/// The next event that `take` takes.
+fn event<T>(page: &mut Page, what: &str, take: impl Fn(&EventKind) -> Option<T>) -> T {
+    page.until(what, |key, payload| {
+        (key == "event").then_some(())?;
+        take(&decode::<SimEvent>(payload, "").unwrap().kind)
+    })
+}
+
+fn lost(kind: &EventKind) -> Option<()> {
+    matches!(kind, EventKind::ToolLost { .. }).then_some(())
+}
+
+#[test]
+fn a_hand_without_motors_stays_while_its_page_is_silent_and_is_lost_after_half_a_second() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("silent.mcap");
+    let record = path.to_str().unwrap();
+    let (daemon, port) = serve(directory.path(), &patient(), &["--record", record]);
+    let palpate = daemon.connect();
+    let mut page = Page::open(port);
+    page.claim_without_motors("ball", "mouse");
+    page.holder("ball", |who| who == Some("mouse"));
+    let sent = 60;
+    assert!(press(&mut page, sent) > 0.05);
+    let silent = Instant::now();
+    page.seen.clear();
+    event(&mut page, "its loss", lost);
+    // A pose that is not repeated is lost after 0.4 s.
+    let held = silent.elapsed().as_secs_f64();
+    assert!(held > 0.6, "lost after {held} s");
+    let received = palpate.status().unwrap().tools[0].received;
+    assert!(received >= sent + 2, "{received} poses");
+    let forces = page.seen.iter().filter(|(key, _)| key == "tool/ball/force");
+    let forces = forces.map(|(_, payload)| decode::<ToolForce>(payload, "").unwrap());
+    let pressed =
+        forces.filter(|force| force.flags & force_flags::STALE == 0 && force.force[0] > 0.05);
+    assert!(pressed.count() > 5, "the force went with the first silence");
+    // It speaks again, by its own count, and is heard.
+    let again = ToolPose {
+        seq: sent + 1,
+        t_client_ns: 77,
+        ..pose_at([0.05, 0.003, 0.045])
+    };
+    page.pose("ball", &again);
+    page.until("its force", |key, payload| {
+        (key == "tool/ball/force").then_some(())?;
+        (decode::<ToolForce>(payload, "").unwrap().t_client_ns == 77).then_some(())
+    });
+    // What it gives back is not repeated any more.
+    page.send("tool/ball/release", &[]);
+    page.holder("ball", |who| who.is_none());
+    let received = palpate.status().unwrap().tools[0].received;
+    event(&mut page, "its end", lost);
+    assert_eq!(palpate.status().unwrap().tools[0].received, received);
+    assert_eq!(page.call("shutdown", "{}")["ok"], true);
+    assert_eq!(daemon.end().1, 0);
+    let replay = Command::new(PROGRAM)
+        .args(["replay", record])
+        .output()
+        .unwrap();
+    let words = String::from_utf8_lossy(&replay.stdout).into_owned();
+    assert!(replay.status.success(), "{words}");
+}
+
+#[test]
+fn a_device_of_a_page_that_can_push_loses_its_force_with_its_poses() {
+    let directory = tempfile::tempdir().unwrap();
+    let (daemon, port) = serve(directory.path(), &patient(), &[]);
+    let palpate = daemon.connect();
+    let mut page = Page::open(port);
+    page.claim("ball", "arm");
+    page.holder("ball", |who| who == Some("arm"));
+    for seq in 1..=5 {
+        let pose = pose_at([0.05, 0.003, 0.045]);
+        page.pose("ball", &ToolPose { seq, ..pose });
+    }
+    event(&mut page, "its loss", lost);
+    assert_eq!(palpate.status().unwrap().tools[0].received, 5);
+    // Whether there is somebody to push does not change while a tool is held.
+    page.claim_without_motors("ball", "arm");
+    let refused = page.refusal()["error"].as_str().unwrap().to_owned();
+    assert!(
+        refused.contains("with motors") && refused.contains("give it back"),
+        "{refused}"
+    );
+}
+
+#[test]
+fn a_tool_whose_hand_left_touches_nothing_and_a_reset_takes_its_last_force_away() {
+    let directory = tempfile::tempdir().unwrap();
+    let (_daemon, port) = serve(directory.path(), SOFT, &[]);
+    let mut page = Page::open(port);
+    page.claim("ball", "arm");
+    page.holder("ball", |who| who == Some("arm"));
+    assert!(press(&mut page, 60) > 0.05);
+    page.send("tool/ball/release", &[]);
+    event(&mut page, "its loss", lost);
+    let force = |page: &mut Page, what: &str, wanted: fn(&ToolForce) -> bool| {
+        page.until(what, |key, payload| {
+            (key == "tool/ball/force").then_some(())?;
+            let force: ToolForce = decode(payload, "").unwrap();
+            wanted(&force).then_some(force)
+        })
+    };
+    let gone = force(&mut page, "a force that has faded", |force| {
+        force.flags & force_flags::RAMPING == 0
+    });
+    assert_eq!(gone.flags, force_flags::STALE);
+    assert_eq!(
+        (gone.contact_count, gone.depth, gone.force),
+        (0, 0.0, [0.0; 3])
+    );
+    assert_eq!(page.call("reset", "{}")["ok"], true);
+    let reset = force(&mut page, "a force without a pose", |force| {
+        force.pose_seq == 0
+    });
+    assert_eq!(
+        (reset.flags, reset.contact_count, reset.force),
+        (0, 0, [0.0; 3])
+    );
+    assert_eq!(reset.proxy_position, [0.06, 0.003, 0.045]);
+}
+
+#[test]
+fn what_changes_nothing_is_not_told_and_a_reset_does_not_end_a_pause() {
+    let directory = tempfile::tempdir().unwrap();
+    let (daemon, port) = serve(directory.path(), TWO_BALLS, &[]);
+    let palpate = daemon.connect();
+    let mut page = Page::open(port);
+    for method in ["resume", "pause", "pause", "reset"] {
+        assert_eq!(page.call(method, "{}")["ok"], true, "{method}");
+    }
+    assert_eq!(palpate.status().unwrap().state, LoopState::Paused);
+    for method in ["resume", "resume", "reset"] {
+        assert_eq!(page.call(method, "{}")["ok"], true, "{method}");
+    }
+    assert_eq!(palpate.status().unwrap().state, LoopState::Running);
+    let told: Vec<EventKind> = palpate
+        .past_events(0)
+        .unwrap()
+        .into_iter()
+        .map(|event| event.kind)
+        .collect();
+    let of_the_loop: Vec<&EventKind> = told
+        .iter()
+        .filter(|kind| {
+            !matches!(
+                kind,
+                EventKind::Overrun { .. }
+                    | EventKind::QualityChanged { .. }
+                    | EventKind::Fault { .. }
+            )
+        })
+        .collect();
+    use EventKind::{Paused, Reset, Resumed};
+    assert_eq!(of_the_loop, [&Paused, &Reset, &Resumed, &Reset]);
 }
 
 #[test]
@@ -232,7 +398,7 @@ fn in_lockstep_a_page_s_pose_drives_the_loop_at_the_speed_it_asks_for() {
     assert_eq!(palpate.status().unwrap().tick, 0);
     page.send("speed", &0.2_f64.to_le_bytes());
     page.pose("ball", &pose_at([0.05, 0.003, 0.045]));
-    let begun = std::time::Instant::now();
+    let begun = Instant::now();
     let tick = crate::wire::until(
         "it runs",
         || palpate.status().unwrap().tick,
@@ -285,7 +451,7 @@ fn a_tool_of_the_mouse_is_there_where_the_daemon_was_told_so_and_its_recording_r
         );
         let force = page.until("its force", |key, payload| {
             (key == "tool/mouse/force").then_some(())?;
-            let force: ToolForce = palpate_client::proto::codec::decode(payload, "").unwrap();
+            let force: ToolForce = decode(payload, "").unwrap();
             (force.pose_seq >= seq).then_some(force)
         });
         strongest = (force.force.iter()).fold(strongest, |most, f| most.max(f.abs()));

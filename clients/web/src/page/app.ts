@@ -603,7 +603,7 @@ export class App {
     this.status.update(world, this.playback);
     this.toolList.update(world, this.chosen);
     const held = this.hand?.state !== undefined && this.hand.state !== "free" && this.hand.tool?.id === this.focus;
-    this.readout.update(this.focus === null ? undefined : world.tool(this.focus), live?.mayHold ?? false, held);
+    this.readout.update(this.focus === null ? undefined : world.tool(this.focus), world.link === "live", live?.mayHold ?? false, held);
     this.events.update(world);
     this.liveDeck?.update();
     this.playbackDeck?.update(this.theme);

@@ -84,7 +84,6 @@ export class Tool {
   energy = 0;
   dissipated = 0;
   tick = 0;
-  poseSeq = 0n;
   /** Age of the pose that made the newest force, when it arrived, ms; of our own hand. */
   poseAgeMs = 0;
   /** Pose of the device: known of our own mouse and of recorded ones. */
@@ -130,8 +129,8 @@ export type Link = "connecting" | "live" | "lost" | "playing" | "failed";
 const EVENTS_KEPT = 1000;
 /** Events that are remembered as told: a daemon tells its last ones again to a page that comes back. */
 const TOLD_KEPT = 4000;
-/** A repeated event joins one of its kind among so many that follow each other. */
-const NEAR = 6;
+/** A repeated event joins one of its kind among so many that follow each other: two for each tool. */
+const NEAR = 128;
 
 export class World {
   name = "";
@@ -147,6 +146,8 @@ export class World {
   events: Happening[] = [];
   instances: readonly string[] = [];
   link: Link = "connecting";
+  /** When the daemon was heard last, by the clock of the page, ms. */
+  heard = 0;
   /** What went wrong with the link, in words. */
   trouble = "";
   tick = 0;
@@ -243,7 +244,7 @@ export class World {
     this.touch();
   }
 
-  /** Late ticks come in reports, hundreds of them on a busy computer: they must not push out what else happened. */
+  /** Late ticks come in reports, hands in a bad link come and go, by the hundred: they must not push out what else happened. */
   private joinOrPush(event: Happening): void {
     const { repeated } = event;
     for (let k = this.events.length - 1; repeated !== undefined && k >= Math.max(0, this.events.length - NEAR); k--) {

@@ -113,17 +113,27 @@ impl Link {
         } else if self.phase == LinkPhase::Live && self.age_ticks > limits.stale_ticks {
             self.phase = LinkPhase::Stale;
         }
-        let goal = if wanted && self.phase == LinkPhase::Live {
-            limits.force_max_n
-        } else {
-            0.0
-        };
+        let goal = self.goal_n(limits, wanted);
         self.limit_n = if self.limit_n < goal {
             (self.limit_n + limits.ramp_n).min(goal)
         } else {
             (self.limit_n - limits.ramp_n).max(goal)
         };
         admission
+    }
+
+    /// Where the force limit goes, N: all that the device can bear, or nothing.
+    pub fn goal_n(&self, limits: &LinkLimits, wanted: bool) -> f64 {
+        if wanted && self.phase == LinkPhase::Live {
+            limits.force_max_n
+        } else {
+            0.0
+        }
+    }
+
+    /// Nobody moves the tool, and its force has faded: it touches nothing any more.
+    pub fn has_let_go(&self) -> bool {
+        matches!(self.phase, LinkPhase::Stale | LinkPhase::Jumped) && self.limit_n == 0.0
     }
 
     fn believe(&mut self, new: &DevicePose) {

@@ -50,7 +50,8 @@ pub(super) fn admit(
         (out.pose_seq, out.t_client_ns) = (answered.seq, answered.t_client_ns);
         out.pose_age_ticks = link.age_ticks;
         let mut bits = 0;
-        if link.phase == LinkPhase::Stale {
+        // Also where the last poses were refused and no more come.
+        if link.phase != LinkPhase::Absent && link.age_ticks > limits.stale_ticks {
             bits |= flags::STALE;
         }
         if admission.refused {
@@ -59,7 +60,7 @@ pub(super) fn admit(
         if !wanted {
             bits |= flags::PAUSED;
         }
-        if link.phase != LinkPhase::Absent && link.limit_n != force_max_n {
+        if link.phase != LinkPhase::Absent && link.limit_n != link.goal_n(&limits, wanted) {
             bits |= flags::RAMPING;
         }
         out.flags = bits;

@@ -34,7 +34,10 @@ pub(super) fn emit(
         let free = scratch.rows.free[t];
         let (force, torque) = load::wrench(scene, state, scratch, t);
         let tool_state = &mut state.tools[t];
-        (out.contact_force_n, out.contact_torque_nm) = (force, torque);
+        let let_go = tool_state.link.has_let_go();
+        if !let_go {
+            (out.contact_force_n, out.contact_torque_nm) = (force, torque);
+        }
         let limit_n = tool_state.link.limit_n;
         let limit_nm = load::torque_limit_nm(tool, tool_state);
         let (rendered, factor) = limit(force, torque, limit_n, limit_nm);
@@ -67,7 +70,7 @@ pub(super) fn emit(
             .rows
             .iter()
             .enumerate()
-            .filter(|(_, row)| own(row))
+            .filter(|(_, row)| own(row) && !let_go)
         {
             let lambda = scratch.problem.forces()[i];
             let (carries, push) = if scratch.friction.is_active() {
@@ -88,8 +91,10 @@ pub(super) fn emit(
             }
             output.contacts.push(report, scene.tools.len());
         }
-        // A device without motors for torque lacks nothing that it could have.
-        if factor < 1.0 || limit_nm > 0.0 && rendered.torque_nm() != torque {
+        // A device without motors for torque lacks nothing that it could have; a force that is on its way to
+        // none is not held back for the device's sake.
+        let wanted = tool_state.link.phase == LinkPhase::Live && out.flags & flags::PAUSED == 0;
+        if wanted && (factor < 1.0 || limit_nm > 0.0 && rendered.torque_nm() != torque) {
             out.flags |= flags::SATURATED;
         }
         let (rendered, damped) = keep_passive(scene, tool_state, t, rendered, out, limit_nm);

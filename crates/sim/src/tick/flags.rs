@@ -1,14 +1,15 @@
 //! Bits of [`ToolOutput::flags`](super::record::ToolOutput::flags); the wire uses the same.
 
-/// The newest pose is older than the stale limit; the force ramps to zero.
+/// The newest pose that was believed is older than the stale limit; the force ramps to zero.
 pub const STALE: u32 = 1;
-/// The force was limited to what the device can bear.
+/// The force was limited: to what the device can bear or, with `RAMPING`, to what the limit is on its way up.
+/// Not set while the force is on its way to none, or there (stale, refused, paused).
 pub const SATURATED: u32 = 1 << 1;
 /// Bodies stand still.
 pub const PAUSED: u32 = 1 << 2;
 /// This tick's pose was refused.
 pub const REFUSED: u32 = 1 << 3;
-/// The force limit is not at its full value.
+/// The force limit moves: up to its full value, or down to zero. At rest at either it is not set.
 pub const RAMPING: u32 = 1 << 4;
 /// The force was not finite and was made zero, or the tick before set a body back to rest: the
 /// force is safe, not right.

@@ -135,7 +135,7 @@ pub(super) fn take(
             }
         }
     }
-    if grip.holds() {
+    if grip.holds() && !tool_state.link.has_let_go() {
         out.flags |= flags::GRABBING;
     }
 }

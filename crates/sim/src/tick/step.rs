@@ -119,9 +119,13 @@ pub fn apply(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, comma
     match command {
         Command::Reset => {
             let start = &mut scratch.start;
-            // Ticks are as long as before, and devices what they were: neither is part of the
-            // start.
+            // Ticks are as long as before, devices what they were, and a loop that is paused or ends goes on
+            // doing so: none is part of the start.
             (start.tick, start.quality) = (state.tick, state.quality);
+            start.run = match state.run {
+                RunState::Paused { .. } => RunState::Paused { steps: 0 },
+                run => run,
+            };
             for (start, tool) in start.tools.iter_mut().zip(&state.tools) {
                 start.bounds = tool.bounds;
             }

@@ -11,6 +11,7 @@ mod deforming_input;
 mod deforming_laws;
 mod examples;
 mod extreme_input;
+mod flags;
 mod free_rigid;
 mod friction;
 mod grip;

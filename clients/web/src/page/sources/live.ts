@@ -159,6 +159,7 @@ export class Live {
 
   /** Takes a frame; one that cannot be read is counted and left out. */
   take(bytes: Uint8Array): void {
+    this.world.heard = performance.now();
     try {
       const { key, payload } = openFrame(bytes);
       this.route(key, payload);
@@ -281,7 +282,6 @@ export class Live {
     tool.depth = force.depth;
     tool.contacts = force.contact_count;
     tool.flags = force.flags;
-    tool.poseSeq = force.pose_seq;
     if (tool.hand !== null) tool.poseAgeMs = performance.now() - Number(force.t_client_ns) * 1e-6;
     this.world.tick = tick;
     tool.history.push(tick, ...force.force, force.depth, tool.energy, tool.dissipated);

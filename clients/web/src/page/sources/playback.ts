@@ -104,6 +104,7 @@ export class Playback {
     const { overview, world } = this;
     if (overview.version === this.eventsTold) return;
     this.eventsTold = overview.version;
+    // Each on a line of its own: it is a place to go to.
     world.events = overview.events.map(({ tick, kind, detail }, k) => recordedHappening(tick, kind, detail, k));
     world.eventVersion += 1;
     world.historyVersion += 1;

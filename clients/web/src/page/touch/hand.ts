@@ -1,8 +1,9 @@
 /**
  * The page's hand: a device of its own on the bus, moved by mouse, finger or keys.
  *
- * It claims a tool, sends its pose 125 times a second (whether it moves or not: an old pose is a hand that went away), and
- * lets go gently: the hand follows the proxy until the spring between them is slack, so that nothing snaps.
+ * It claims a tool, sends its pose 125 times a second by a timer, whether it moves or not, and lets go gently: the hand
+ * follows the proxy until the spring between them is slack, so that nothing snaps. A page that draws slowly speaks less
+ * often: the daemon then sends its last pose on for half a second, because the device says that it has no motors.
  */
 
 import type { DeviceInfo, ToolPose } from "../../index";
@@ -24,11 +25,13 @@ const RELAX_MS = 700;
 const CLAIM_MS = 3000;
 /** Time over which velocity is averaged: two or three steps of a mouse. */
 const SMOOTH_S = 0.02;
+/** After a pause the hand comes no farther than in this time: the loop would take what is left for a jump. */
+const STRIDE_S = 0.03;
 
-/** A mouse has no motor: it is described by its rate, and bears any force. */
+/** A mouse has no motor: it is described by its rate, and any force can be shown. */
 export function mouseInfo(name: string): DeviceInfo {
   return {
-    name, dof_force: 3, dof_torque: 3, workspace: [0, 0, 0], force_max: 1e4, force_continuous: 1e4,
+    name, dof_force: 0, dof_torque: 0, workspace: [0, 0, 0], force_max: 1e4, force_continuous: 1e4,
     torque_max: 1e4, mass: 0, damping: 0, coulomb_friction: 0, encoder_resolution: 0, rate_hz: 60, delay_s: 0, deadband: 0,
   };
 }
@@ -126,7 +129,7 @@ export class Hand {
 
   private step(): void {
     const now = performance.now();
-    const seconds = Math.min(Math.max((now - this.last) * 1e-3, 1e-4), 0.1);
+    const seconds = Math.max((now - this.last) * 1e-3, 1e-4);
     if (this.tool === null) return;
     const tool = this.world.tool(this.tool.id);
     if (tool === undefined) return this.end("the tool is not in the scene any more");
@@ -149,7 +152,7 @@ export class Hand {
       this.target = add(this.position, this.moved);
     }
     const way = sub(this.target, this.position);
-    const longest = fastest * seconds;
+    const longest = fastest * Math.min(seconds, STRIDE_S);
     const moved = norm(way) > longest ? scaled(way, longest / norm(way)) : way;
     this.position = add(this.position, moved);
     const share = seconds / (seconds + SMOOTH_S);

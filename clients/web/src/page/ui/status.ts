@@ -1,5 +1,6 @@
 /** The bar: what runs, how fast, and whether all is well. */
 
+import type { LoopStatus } from "../../index";
 import type { Playback } from "../sources/playback";
 import { bytes, clock, digits, withUnit } from "../units";
 import { QUALITY, RECORDER } from "../words";
@@ -16,10 +17,14 @@ const ITEMS: readonly Item[] = [
   { name: "time", label: "time" },
   { name: "rate", label: "rate" },
   { name: "late", label: "late" },
+  { name: "forces", label: "forces lost" },
   { name: "tick", label: "p99", minor: true },
   { name: "quality", label: "quality", minor: true },
   { name: "recorder", label: "", minor: true },
 ];
+
+/** A daemon says how it is ten times a second: one that is silent for so long may stand still, whatever the socket says. */
+const SILENCE_MS = 2000;
 
 /** Thousands are enough of a large count. */
 const few = (count: number): string => (count < 1e4 ? count.toLocaleString("en") : `${Math.round(count / 1e3)}k`);
@@ -42,8 +47,9 @@ export class StatusBar {
 
   update(world: World, playback: Playback | null): void {
     setText(this.scene, world.name);
-    this.link.dataset["state"] = world.link === "live" && world.status?.state === "Paused" ? "paused" : world.link;
-    setText(this.link, this.linkWords(world, playback));
+    const silent = playback === null && world.link === "live" && world.status !== null && performance.now() - world.heard > SILENCE_MS;
+    this.link.dataset["state"] = silent ? "lost" : world.link === "live" && world.status?.state === "Paused" ? "paused" : world.link;
+    setText(this.link, silent ? "No answer" : this.linkWords(world, playback));
     this.put("time", `${clock(world.seconds())} s`);
     if (playback !== null) {
       this.put("rate", `× ${digits(playback.speed, 2)}`, "speed");
@@ -51,6 +57,7 @@ export class StatusBar {
       this.put("tick", playback.recording.build.split(" source")[0], "");
       this.put("quality", "", "");
       this.put("recorder", "", "");
+      this.put("forces", "");
       return;
     }
     const { status } = world;
@@ -58,6 +65,7 @@ export class StatusBar {
     this.put("rate", `${status.rate_hz.toFixed(0)} Hz`, this.slower(world, status.rate_hz));
     const [late, skipped] = [Number(status.late_ticks), Number(status.skipped_ticks)];
     this.put("late", few(late), skipped > 0 ? `late, ${few(skipped)} skipped` : "late", skipped > 0 ? "warn" : "");
+    this.forces(status);
     this.put("tick", withUnit(Number(status.step.p99_ns) * 1e-9, "s"));
     this.explain("tick", "Tick time: 99 of 100 ticks take less");
     const level = status.quality_level;
@@ -68,6 +76,16 @@ export class StatusBar {
     const written = status.recorder === "Recording" ? ` ${bytes(Number(status.recorder_bytes))}` : "";
     const lost = status.recorder_drops > 0n ? `, ${status.recorder_drops} records lost` : "";
     this.put("recorder", status.recorder === "Off" && !failed ? "" : `${RECORDER[status.recorder]}${written}${lost}`, "", failed ? "bad" : "");
+  }
+
+  /** Forces that did not reach their devices in time, where there were any. */
+  private forces(status: LoopStatus): void {
+    const missed = status.tools.filter((tool) => tool.forces_overtaken + tool.forces_lost > 0n);
+    const count = missed.reduce((sum, tool) => sum + Number(tool.forces_overtaken + tool.forces_lost), 0);
+    this.put("forces", count === 0 ? "" : few(count), "forces lost", "warn");
+    const words = ({ tool, forces_sent, forces_overtaken, forces_lost }: LoopStatus["tools"][number]) =>
+      `${tool}: ${forces_overtaken} were not sent, a newer one was there; ${forces_lost} of ${forces_sent} sent were lost on the way`;
+    this.explain("forces", missed.map(words).join("\n"));
   }
 
   /** Where simulated time is behind real time, that is said next to the rate. */

@@ -75,8 +75,8 @@ export class Readout {
     );
   }
 
-  /** `may`: whether tools can be taken here at all. */
-  update(tool: Tool | undefined, may: boolean, held: boolean): void {
+  /** `live`: whether it is known who holds it; `may`: whether tools can be taken here at all. */
+  update(tool: Tool | undefined, live: boolean, may: boolean, held: boolean): void {
     byId("readout").hidden = tool === undefined;
     if (tool === undefined) return;
     this.tool = tool.id;
@@ -92,10 +92,11 @@ export class Readout {
     this.put("depth", withUnit(tool.depth, "m"));
     this.put("energy", withUnit(tool.energy, "J"));
     this.put("contacts", String(tool.contacts));
-    setText(this.words, flagWords(tool.flags & ~(held ? 0 : 1)).join(", "));
+    const free = live && !held && tool.holder === null;
+    setText(this.words, flagWords(tool.flags, free).join(", "));
     this.take.hidden = !may;
     setText(this.take, held ? "Let go (Esc)" : "Take with keys (T)");
-    setText(this.who, held ? "you hold it" : tool.holder !== null ? `held by ${tool.holder}` : "");
+    setText(this.who, held ? "you hold it" : tool.holder !== null ? `held by ${tool.holder}` : free ? "nobody holds it" : "");
   }
 
   private put(name: string, text: string): void {
