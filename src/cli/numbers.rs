@@ -35,7 +35,7 @@ pub fn read(path: &Path, widths: &[usize], names: &str) -> anyhow::Result<Vec<Nu
         };
         let Some(values) = values.filter(fits) else {
             anyhow::bail!(
-                "{}:{}: {whole:?}: expected {names}, finite numbers",
+                "{}:{}: expected {names}, finite numbers",
                 path.display(),
                 k + 1
             );

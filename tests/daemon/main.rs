@@ -39,6 +39,7 @@ mod many_tools;
 #[path = "page/mod.rs"]
 mod pages;
 mod play;
+mod quoting;
 mod reach;
 mod readmes;
 mod recording;
@@ -48,6 +49,7 @@ mod replay_levels;
 mod scenarios;
 mod self_check;
 mod sessions;
+mod slow_disk;
 mod streaming;
 mod surface_commands;
 mod surface_pipe;

@@ -1,5 +1,6 @@
 //! Zenoh configurations of users: our defaults below them, and what this build does not have.
 
+use palpate_proto::text::without_value;
 use serde_json::Value;
 use std::path::Path;
 
@@ -23,9 +24,14 @@ pub struct Named {
 /// # Errors
 /// The file cannot be read or parsed, or asks for what this build does not have.
 pub fn read_config(path: &Path, mode: &str) -> Result<(zenoh::Config, Named), String> {
-    let mut config = zenoh::Config::from_file(path).map_err(|e| e.to_string())?;
-    check_built_in(&config)?;
     let named = named(path)?;
+    let known =
+        |kind: &std::ffi::OsStr| ["json5", "json", "yaml", "yml"].iter().any(|k| kind == *k);
+    if !path.extension().is_some_and(known) {
+        return Err("a configuration is a file .json5, .json or .yaml".into());
+    }
+    let mut config = zenoh::Config::from_file(path).map_err(|e| refusal(&e.to_string()))?;
+    check_built_in(&config)?;
     let mode = format!("\"{mode}\"");
     let defaults = [
         (named.mode, "mode", mode.as_str()),
@@ -59,7 +65,7 @@ pub fn named(path: &Path) -> Result<Named, String> {
             connect: has("connect:"),
         });
     }
-    let value: Value = json5::from_str(&text).map_err(|e| e.to_string())?;
+    let value = json5_value(&text)?;
     let has = |keys: &[&str]| {
         let found = keys.iter().try_fold(&value, |value, key| value.get(key));
         found.is_some_and(|value| !value.is_null())
@@ -72,13 +78,45 @@ pub fn named(path: &Path) -> Result<Named, String> {
     })
 }
 
+/// Reads JSON5. What is wrong is said by its place: the file may hold a key, or be another than was
+/// meant, and its lines do not belong into a log.
+fn json5_value(text: &str) -> Result<Value, String> {
+    json5::from_str(text).map_err(|json5::Error::Message { location, .. }| {
+        let place = location.map_or(String::new(), |at| {
+            format!(" at line {}, column {}", at.line, at.column)
+        });
+        format!("it is not JSON5{place}")
+    })
+}
+
+/// Zenoh's refusal of a configuration, without the values that stand there: `… msg: "unknown variant
+/// `x`, expected one of `a`, `b`", location: Some(Location { line: 1, column: 9 }) } at …`.
+fn refusal(zenoh: &str) -> String {
+    let number = |name: &str| {
+        let (_, rest) = zenoh.rsplit_once(name)?;
+        let end = rest.find(|c: char| !c.is_ascii_digit())?;
+        rest[..end].parse::<u32>().ok()
+    };
+    let place = match (number("line: "), number("column: ")) {
+        (Some(line), Some(column)) => format!("line {line}, column {column}: "),
+        _ => String::new(),
+    };
+    let message = zenoh
+        .split_once("\", l")
+        .map_or(zenoh, |(message, _)| message);
+    match message.contains(", expected ") {
+        true => format!("{place}{}", without_value(message)),
+        false => format!("{place}Zenoh does not take the value that stands there"),
+    }
+}
+
 /// The TLS section of an identity file that `palpate auth` made: keys and certificates of one role.
 ///
 /// # Errors
 /// The file cannot be read, or is none.
 pub fn identity(path: &Path) -> Result<Value, String> {
     let text = std::fs::read_to_string(path).map_err(|e| e.to_string())?;
-    let value: Value = json5::from_str(&text).map_err(|e| e.to_string())?;
+    let value = json5_value(&text)?;
     match value.pointer("/transport/link/tls") {
         Some(tls) if tls["connect_certificate_base64"].is_string() => Ok(tls.clone()),
         _ => Err("it is no identity: `palpate auth issue` makes one".into()),
@@ -93,7 +131,7 @@ pub fn add_identity(config: &mut zenoh::Config, path: &Path) -> Result<(), Strin
     let wrong = |reason: String| format!("identity {}: {reason}", path.display());
     let tls = identity(path).map_err(wrong)?;
     let done = config.insert_json5("transport/link/tls", &tls.to_string());
-    done.map_err(|e| wrong(e.to_string()))
+    done.map_err(|e| wrong(refusal(&e.to_string())))
 }
 
 /// Protocols that are built in.
