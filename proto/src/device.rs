@@ -1,6 +1,7 @@
 //! Which descriptions of devices are believed.
 
 use crate::messages::{DEVICE_NAME_BYTES, DeviceInfo};
+use crate::text::is_unprintable;
 
 /// Why a description was refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -35,7 +36,7 @@ impl DeviceInfo {
     /// # Errors
     /// The first field that no device has: not finite, negative, or far outside what is built.
     pub fn validated(self) -> Result<Self, DeviceError> {
-        if self.name.len() > DEVICE_NAME_BYTES || self.name.chars().any(char::is_control) {
+        if self.name.len() > DEVICE_NAME_BYTES || self.name.chars().any(is_unprintable) {
             return Err(DeviceError::Name(self.name.len()));
         }
         let [x, y, z] = self.workspace;

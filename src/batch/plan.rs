@@ -4,6 +4,7 @@ use super::error::BatchError;
 use super::spec::{HandSpec, MotionSpec, Seeds, SweepSpec, Varied};
 use crate::scenario::{SCENES, change};
 use palpate_client::device::{DeviceModel, Hand, Kind};
+use palpate_proto::text::located;
 use palpate_sim::scene::file::{self, Loaded};
 use palpate_sim::scene::spec::Clock;
 use std::collections::BTreeMap;
@@ -87,8 +88,8 @@ impl Plan {
             return Err(wrong("vary", reason));
         };
         let (text, directory, scene_name) = scene_text(&spec.scene, directory)?;
-        let mut scene: toml::Table =
-            toml::from_str(&text).map_err(|error| wrong("scene", error.to_string()))?;
+        let mut scene: toml::Table = toml::from_str(&text)
+            .map_err(|error| wrong("scene", located(&text, error.span(), error.message())))?;
         for (key, value) in &spec.set {
             change::set(&mut scene, key, value)
                 .map_err(|reason| wrong(&format!("set.{key:?}"), reason))?;

@@ -15,6 +15,7 @@
 //! ```
 
 use super::error::BatchError;
+use palpate_proto::text::located;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use toml::Value;
@@ -278,7 +279,7 @@ impl SweepSpec {
     pub fn parse(text: &str, name: &str) -> Result<Self, BatchError> {
         toml::from_str(text).map_err(|error| BatchError::File {
             path: name.to_owned(),
-            reason: error.to_string(),
+            reason: located(text, error.span(), error.message()),
         })
     }
 }

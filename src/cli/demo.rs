@@ -102,7 +102,8 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         ),
         Err(error) => println!("raw Zenoh ping: {error}"),
     }
-    for recording in &served.recording.files {
+    let kept = served.recording.files.iter().filter(|file| !file.deleted);
+    for recording in kept {
         let info = info(&Session::open(&recording.path)?)?;
         for tool in &info.tools {
             println!(

@@ -4,6 +4,7 @@ use super::connection::Connection;
 use super::{Outcome, text};
 use palpate_client::Seen;
 use palpate_proto::messages::force_flags;
+use palpate_proto::text::printable;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::sync::mpsc::{RecvTimeoutError, sync_channel};
@@ -75,7 +76,7 @@ fn print(seen: &Seen, as_json: bool) -> bool {
     let line = if as_json {
         in_json(seen).to_string()
     } else {
-        in_words(seen)
+        printable(&in_words(seen)).into_owned()
     };
     let mut out = std::io::stdout().lock();
     writeln!(out, "{line}").and_then(|()| out.flush()).is_ok()

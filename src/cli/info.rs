@@ -2,6 +2,7 @@
 
 use super::Outcome;
 use crate::recording::{Session, computed_info, info};
+use palpate_proto::text::printable;
 use std::path::PathBuf;
 
 #[derive(clap::Args, Debug)]
@@ -27,7 +28,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     if args.json {
         println!("{}", serde_json::to_string(&info)?);
     } else {
-        print!("{info}");
+        print!("{}", printable(&info.to_string()));
     }
     Ok(Outcome::Ok)
 }

@@ -3,9 +3,11 @@
 use super::Outcome;
 use super::connection::{Connection, PATIENCE};
 use palpate_proto::keys::{INFO_EVERYWHERE, Keys, LIVE_EVERYWHERE, parse_live};
+use palpate_proto::text::printable;
 use serde::Serialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
+use std::fmt::Write as _;
 
 #[derive(clap::Args, Debug)]
 pub struct Args {
@@ -107,7 +109,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         if args.json {
             println!("{}", serde_json::to_string(instance)?);
         } else {
-            instance.print();
+            print!("{}", printable(&instance.words()));
         }
     }
     Ok(Outcome::Ok)
@@ -179,7 +181,8 @@ impl Instance {
         }
     }
 
-    fn print(&self) {
+    fn words(&self) -> String {
+        let mut out = String::new();
         let how = if self.played {
             ", played from a recording"
         } else {
@@ -189,12 +192,14 @@ impl Instance {
             [] => "no server".to_owned(),
             servers => format!("server {}", servers.join(", ")),
         };
-        println!(
+        let _ = writeln!(
+            out,
             "{}: scene {:?} at {} Hz{how}, palpate {}, {server}",
             self.instance, self.scene, self.rate_hz, self.version
         );
         if !self.open.is_empty() {
-            println!(
+            let _ = writeln!(
+                out,
                 "  OPEN to others, who can move tools and give commands: {}",
                 self.open.join(", ")
             );
@@ -205,18 +210,19 @@ impl Instance {
                 .device
                 .as_ref()
                 .map_or(String::new(), |name| format!(", device {name:?}"));
-            println!("  tool {}: {held}{device}{}", tool.id, tool.missed());
+            let _ = writeln!(out, "  tool {}: {held}{device}{}", tool.id, tool.missed());
         }
-        println!("  bodies {}", self.bodies.join(", "));
+        let _ = writeln!(out, "  bodies {}", self.bodies.join(", "));
         if self.recording {
-            println!("  recording");
+            let _ = writeln!(out, "  recording");
         }
         if let Some(viewer) = &self.viewer {
-            println!("  viewer {viewer}");
+            let _ = writeln!(out, "  viewer {viewer}");
         }
         for (key, name) in &self.publishes {
-            println!("  {key}  {name}");
+            let _ = writeln!(out, "  {key}  {name}");
         }
+        out
     }
 }
 

@@ -42,6 +42,7 @@ mod waiting;
 
 use crate::transport::threads_for_many_clients;
 use clap::{CommandFactory, Parser, Subcommand};
+use palpate_proto::text::printable;
 use std::process::ExitCode;
 
 /// Haptic simulation of deforming B-spline surfaces at 1 kHz, over Zenoh, with exact replay.
@@ -262,7 +263,7 @@ pub fn code_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> u8 
         Ok(Outcome::Difference) => 1,
         Ok(Outcome::Fault) => 3,
         Err(error) => {
-            eprintln!("error: {}", said(&error));
+            eprintln!("error: {}", printable(&said(&error)));
             let difference = error.downcast_ref::<surface::Incomplete>().is_some();
             if difference { 1 } else { 2 }
         }

@@ -36,7 +36,7 @@ pub fn read(path: &Path, widths: &[usize], names: &str) -> anyhow::Result<Vec<Nu
         };
         let Some(values) = values.filter(fits) else {
             anyhow::bail!(
-                "{}:{}: {whole:?}: expected {names}, finite numbers within ±{MOST_COORDINATE_M:e}",
+                "{}:{}: expected {names}, finite numbers within ±{MOST_COORDINATE_M:e}",
                 path.display(),
                 k + 1
             );

@@ -129,7 +129,8 @@ pub struct RecordArgs {
     /// Start a new file after this much simulated time, for example 10m.
     #[arg(long, value_parser = text::duration)]
     pub split_duration: Option<Duration>,
-    /// Limit the disk space of a split recording: the oldest files are deleted.
+    /// Limit the disk space of a recording: it is split into files of at most a third of this, and the
+    /// oldest are deleted.
     #[arg(long, value_parser = text::bytes)]
     pub max_total: Option<u64>,
     /// Omit the channels that only viewers read.

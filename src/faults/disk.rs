@@ -1,14 +1,16 @@
 //! A disk that stalls, is full, fails, or loses what a killed process had not handed over.
 
-use crate::recording::{Disk, DiskFile, FileSystem};
+use crate::recording::{Disk, DiskFile, DiskSync, DiskTask, create_new, give_name};
+use std::collections::VecDeque;
+use std::fs::File;
 use std::io::{self, Write};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-/// As large as that of [`FileSystem`].
-const BUFFER: usize = 64 << 10;
+/// What a sync takes while the disk is well, ns.
+const SYNC_NS: u64 = 8_000_000;
 
 /// What is wrong with a disk, and with the process that writes to it.
 #[derive(Debug, Default)]
@@ -17,10 +19,10 @@ pub(super) struct Health {
     pub full: AtomicBool,
     /// The next write fails.
     pub fails: AtomicBool,
-    /// The process is gone: what it does now, it does not do.
-    pub dead: AtomicBool,
-    /// Bytes that the system has.
-    pub written: AtomicU64,
+    /// The next sync fails.
+    pub sync_fails: AtomicBool,
+    /// No sync ends before this time, ns.
+    pub syncs_at_ns: AtomicU64,
 }
 
 /// Files in a folder of the real file system, by the health of a simulated disk.
@@ -29,22 +31,35 @@ pub(super) struct FaultyDisk {
 }
 
 struct FaultyFile {
-    to: Box<dyn DiskFile>,
-    /// What the process holds back, as the real one does.
-    buffer: Vec<u8>,
+    to: File,
+    health: Arc<Health>,
+}
+
+/// What waits for the disk takes virtual time. What a power cut would take is not simulated.
+struct FaultySync {
+    /// With the time that each ends, ns, while the disk is well.
+    tasks: VecDeque<(u64, DiskTask)>,
+    failed: bool,
     health: Arc<Health>,
 }
 
 impl Disk for FaultyDisk {
-    fn create(&self, path: &Path) -> io::Result<Box<dyn DiskFile>> {
-        if self.health.full.load(Ordering::Relaxed) {
+    fn create(&self, path: &Path) -> io::Result<DiskFile> {
+        let health = &self.health;
+        if health.full.load(Ordering::Relaxed) {
             return Err(io::ErrorKind::StorageFull.into());
         }
-        Ok(Box::new(FaultyFile {
-            to: FileSystem.create(path)?,
-            buffer: Vec::with_capacity(BUFFER),
-            health: self.health.clone(),
-        }))
+        Ok(DiskFile {
+            bytes: Box::new(FaultyFile {
+                to: create_new(path)?,
+                health: health.clone(),
+            }),
+            sync: Box::new(FaultySync {
+                tasks: VecDeque::new(),
+                failed: false,
+                health: health.clone(),
+            }),
+        })
     }
 
     fn now(&self) -> Instant {
@@ -52,51 +67,42 @@ impl Disk for FaultyDisk {
     }
 }
 
-impl FaultyFile {
-    fn hand_over(&mut self, bytes: &[u8]) -> io::Result<()> {
-        let health = &self.health;
-        if health.dead.load(Ordering::Relaxed) || bytes.is_empty() {
-            return Ok(());
-        }
-        if health.fails.swap(false, Ordering::Relaxed) {
-            return Err(io::Error::other("the disk failed"));
-        }
-        let room = match health.full.load(Ordering::Relaxed) {
-            true => bytes.len() / 2,
-            false => bytes.len(),
-        };
-        self.to.write_all(&bytes[..room])?;
-        self.to.flush()?;
-        health.written.fetch_add(room as u64, Ordering::Relaxed);
-        match room < bytes.len() {
-            true => Err(io::ErrorKind::StorageFull.into()),
-            false => Ok(()),
-        }
-    }
-}
-
 impl Write for FaultyFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        if self.buffer.len() + bytes.len() > BUFFER {
-            self.flush()?;
+        if self.health.fails.swap(false, Ordering::Relaxed) {
+            return Err(io::Error::other("the disk failed"));
         }
-        if bytes.len() >= BUFFER {
-            self.hand_over(bytes)?;
-        } else {
-            self.buffer.extend_from_slice(bytes);
+        if self.health.full.load(Ordering::Relaxed) {
+            self.to.write_all(&bytes[..bytes.len() / 2])?;
+            return Err(io::ErrorKind::StorageFull.into());
         }
-        Ok(bytes.len())
+        self.to.write(bytes)
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        let buffer = std::mem::take(&mut self.buffer);
-        self.hand_over(&buffer)
+        Ok(())
     }
 }
 
-impl DiskFile for FaultyFile {
-    fn sync(&mut self) -> io::Result<()> {
-        // To memory: what a power cut would take is not simulated.
-        self.flush()
+impl DiskSync for FaultySync {
+    fn begin(&mut self, task: DiskTask) {
+        let before_ns = self.tasks.back().map_or(0, |(ends_ns, _)| *ends_ns);
+        let ends_ns = before_ns.max(super::now_ns()) + SYNC_NS;
+        self.tasks.push_back((ends_ns, task));
+    }
+
+    fn ended(&mut self, within: Duration) -> Option<io::Result<()>> {
+        let until_ns = super::now_ns().saturating_add(within.as_nanos() as u64);
+        let (ends_ns, _) = self.tasks.front()?;
+        if (*ends_ns).max(self.health.syncs_at_ns.load(Ordering::Relaxed)) > until_ns {
+            return None;
+        }
+        let (_, task) = self.tasks.pop_front()?;
+        self.failed |= self.health.sync_fails.swap(false, Ordering::Relaxed);
+        Some(match task {
+            _ if self.failed => Err(io::Error::other("the disk failed")),
+            DiskTask::Sync => Ok(()),
+            DiskTask::Name { part, target } => give_name(&part, &target),
+        })
     }
 }

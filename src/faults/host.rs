@@ -6,7 +6,7 @@ use super::{now, now_ns};
 use crate::drive::driver::{Driver, DriverSettings};
 use crate::drive::pacer::Schedule;
 use crate::drive::ports::{BusPorts, CommandRequest, SenderId, ports};
-use crate::recording::{RecorderSettings, SteppedRecorder};
+use crate::recording::{RecorderSettings, SteppedRecorder, WriteError};
 use crate::transport::RateWatch;
 use crate::wire;
 use palpate_client::device::DeviceModel;
@@ -28,6 +28,8 @@ pub(super) struct Session {
     pub ended: Ended,
     /// Ticks that had run when the recorder last had its turn before the disk refused.
     pub disk_refused: Option<u64>,
+    /// All is written, but the disk did not answer in time: the file has no name.
+    pub unconfirmed: bool,
 }
 
 /// How a daemon ended.
@@ -178,9 +180,8 @@ impl Host {
         let _ = self.bus.commands.push(CommandRequest { id: 0, command });
     }
 
-    /// Killed: what it still does has no effect.
+    /// Killed: what it did not hand over is gone.
     pub fn kill(self) -> Session {
-        self.health.dead.store(true, Ordering::Relaxed);
         let ticks = self.hashes.len() as u64;
         Session {
             file: self.file,
@@ -189,6 +190,7 @@ impl Host {
                 behind: ticks - self.taken,
             },
             disk_refused: self.disk_refused,
+            unconfirmed: false,
         }
     }
 
@@ -197,7 +199,8 @@ impl Host {
         self.look_at_disk();
         drop(self.driver);
         let report = self.recorder.finish();
-        if report.failure.is_some() {
+        let unconfirmed = matches!(report.failure, Some(WriteError::Unconfirmed { .. }));
+        if report.failure.is_some() && !unconfirmed {
             self.disk_refused = self.disk_refused.or(Some(self.taken));
         }
         Session {
@@ -205,6 +208,7 @@ impl Host {
             hashes: self.hashes,
             ended: Ended::Cleanly,
             disk_refused: self.disk_refused,
+            unconfirmed,
         }
     }
 }

@@ -7,7 +7,7 @@
 //!                 host    drive::Driver, recorder, inbox, rate watch    as in the daemon
 //!                 client  Servo, watchdog, passivity, newest force      as in the client
 //!                 wire    loses, delays, reorders, duplicates
-//!                 disk    stalls, is full, fails
+//!                 disk    stalls, in writes or in syncs; is full, fails
 //!           └─▶ check: at every tick and servo period, and of every recording at the end
 //! ```
 //! Only threads, sockets and the system's clocks are replaced. Nothing here reads a clock or a random

@@ -16,8 +16,12 @@ pub enum Fault {
     Cut(u64),
     /// It is worse than it was for so long, ns.
     Storm(u64),
-    /// The disk answers nothing for so long, ns.
+    /// The disk takes no bytes for so long, ns: who writes stands still.
     DiskStalls(u64),
+    /// No sync comes to an end for so long, ns.
+    SyncStalls(u64),
+    /// One sync fails.
+    SyncFails,
     /// The disk takes part of what is written, and no more from then on.
     DiskIsFull,
     /// One write fails.
@@ -182,7 +186,7 @@ impl Plan {
 fn fault(random: &mut Random) -> Fault {
     let mut long = |most_ms: usize| (1 + random.below(most_ms)) as u64 * MS;
     let (short, medium, wide) = (long(60), long(300), long(700));
-    match random.below(15) {
+    match random.below(17) {
         0 => Fault::Cut(medium),
         1 => Fault::Storm(wide),
         2 => Fault::DiskStalls(wide),
@@ -197,6 +201,8 @@ fn fault(random: &mut Random) -> Fault {
         11 => Fault::Stranger(wide),
         12 => Fault::HandJumps,
         13 => Fault::Paused(medium),
+        14 => Fault::SyncStalls(20 * wide),
+        15 => Fault::SyncFails,
         _ => match random.below(3) {
             0 => Fault::Reset,
             1 => Fault::DaemonStopped(short),

@@ -15,6 +15,7 @@ use palpate_sim::scene::file::{self, Loaded};
 use palpate_sim::tick::record::Command;
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::atomic::Ordering;
 use std::sync::{Arc, OnceLock};
 
 const MS: u64 = 1_000_000;
@@ -401,14 +402,22 @@ impl<'w> World<'w> {
                 self.at(now + ns, Event::StormEnds);
             }
             Fault::DiskStalls(ns) => self.disk_stalled_ns = self.disk_stalled_ns.max(now + ns),
-            Fault::DiskIsFull | Fault::DiskFails => {
+            Fault::SyncStalls(ns) => {
+                if let Some(host) = &self.host {
+                    host.health
+                        .syncs_at_ns
+                        .fetch_max(now + ns, Ordering::Relaxed);
+                }
+            }
+            Fault::DiskIsFull | Fault::DiskFails | Fault::SyncFails => {
                 if let Some(host) = &self.host {
                     let health = &host.health;
                     let sick = match fault {
                         Fault::DiskFails => &health.fails,
+                        Fault::SyncFails => &health.sync_fails,
                         _ => &health.full,
                     };
-                    sick.store(true, std::sync::atomic::Ordering::Relaxed);
+                    sick.store(true, Ordering::Relaxed);
                 }
             }
             Fault::DaemonKilled(ns) => {

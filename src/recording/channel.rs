@@ -1,13 +1,13 @@
 //! The channels of a recording, one row each: topic, message, and how readers take it in.
 
+use super::container::Container;
 use super::convert::{ConvertError, command_from_proto, tick_from_proto};
 use palpate_geometry::math::SavedState;
 use palpate_proto::recording as pb;
 use palpate_sim::tick::record::{Command, TickRecord};
 use prost::Message as _;
 use std::borrow::Cow;
-use std::collections::BTreeMap;
-use std::io::{Seek, Write};
+use std::io::Write;
 
 /// What a message is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -158,27 +158,20 @@ pub(super) struct Channels(Vec<(Topic, Vec<u16>)>);
 
 impl Channels {
     /// Announces all channels with their schemas, for bodies with these ids.
-    pub(super) fn announce<W: Write + Seek>(
-        mcap: &mut mcap::Writer<W>,
-        bodies: &[&str],
-    ) -> mcap::McapResult<Self> {
+    pub(super) fn announce<W: Write>(file: &mut Container<W>, bodies: &[&str]) -> Self {
         let mut channel = |row: &ChannelRow, body: &str| {
             let message = format!("palpate.v1.{}", row.message);
             let descriptors = pb::descriptors(&message).unwrap_or_default();
-            let schema = mcap.add_schema(&message, "protobuf", &descriptors)?;
-            mcap.add_channel(schema, &row.topic.name(body), "protobuf", &BTreeMap::new())
+            file.channel(&row.topic.name(body), &message, &descriptors)
         };
         let rows = ROWS.iter().map(|row| {
             let numbers = match row.name {
-                Name::Whole(_) => vec![channel(row, "")?],
-                Name::PerBody(..) => {
-                    let bodies = bodies.iter().map(|body| channel(row, body));
-                    bodies.collect::<mcap::McapResult<_>>()?
-                }
+                Name::Whole(_) => vec![channel(row, "")],
+                Name::PerBody(..) => bodies.iter().map(|body| channel(row, body)).collect(),
             };
-            Ok((row.topic, numbers))
+            (row.topic, numbers)
         });
-        rows.collect::<mcap::McapResult<_>>().map(Self)
+        Self(rows.collect())
     }
 
     /// Channel of a topic, for the body with this index where each has its own.

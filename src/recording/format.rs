@@ -15,6 +15,17 @@ pub enum WriteError {
         /// How to get around it.
         advice: &'static str,
     },
+    /// A name that terminals, logs and pages would not show as it is.
+    #[error(
+        "{:?} is not a valid file name: it has a character that is not seen ({}); leave it out",
+        .name, .character.escape_unicode()
+    )]
+    Name {
+        /// The name.
+        name: String,
+        /// The first such character.
+        character: char,
+    },
     /// The file system.
     #[error("{path}: {source}")]
     Io {
@@ -22,6 +33,51 @@ pub enum WriteError {
         path: PathBuf,
         /// The error of the file system.
         source: std::io::Error,
+    },
+    /// The disk failed to keep what the system had taken. What is in the file can be read for as
+    /// long as the machine runs, or not at all.
+    #[error(
+        "{path}: the disk failed to keep what was written ({source}); what was written after tick {after_tick} may be gone, now or when the machine restarts"
+    )]
+    Sync {
+        /// The file being written.
+        path: PathBuf,
+        /// Last tick that the disk has for certain.
+        after_tick: u64,
+        /// The error of the file system.
+        source: std::io::Error,
+    },
+    /// The disk does not answer. Nothing is lost unless the power goes.
+    #[error(
+        "{path}: everything is written, but the disk did not confirm it within {waited_s} s; if the file still has this name once it has, `palpate recover` completes it"
+    )]
+    Unconfirmed {
+        /// The file.
+        path: PathBuf,
+        /// Time waited, s.
+        waited_s: u64,
+    },
+    /// A part may be longer than all of them together.
+    #[error(
+        "--split-size {part_bytes} bytes is more than --max-total {total_bytes} bytes leaves for all parts; give a smaller --split-size or a larger --max-total"
+    )]
+    PartAboveTotal {
+        /// Most bytes of a part, before compression.
+        part_bytes: u64,
+        /// Most bytes of all parts.
+        total_bytes: u64,
+    },
+    /// Heads of parts would take it all.
+    #[error(
+        "--max-total {total_bytes} bytes is too little for this scene: each file begins with {head_bytes} bytes about it; give at least {least_bytes}"
+    )]
+    SmallTotal {
+        /// Most bytes of all parts.
+        total_bytes: u64,
+        /// Bytes of a file before its first message.
+        head_bytes: u64,
+        /// The least that is accepted.
+        least_bytes: u64,
     },
     /// The MCAP writer.
     #[error("{path}: {source}")]
@@ -99,9 +155,9 @@ pub(super) fn is_as_written(entries: &BTreeMap<String, String>) -> bool {
 }
 
 /// What all our files say of who wrote them.
+pub(super) const LIBRARY: &str = concat!("palpate ", env!("CARGO_PKG_VERSION"));
+
+/// [`LIBRARY`], for the writer of the `mcap` crate.
 pub(super) fn options() -> mcap::WriteOptions {
-    mcap::WriteOptions::library(
-        mcap::WriteOptions::new(),
-        format!("palpate {}", env!("CARGO_PKG_VERSION")),
-    )
+    mcap::WriteOptions::library(mcap::WriteOptions::new(), LIBRARY)
 }

@@ -2,11 +2,12 @@
 
 use super::message::Message;
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 /// Messages of at least the last so many ticks, from a keyframe on.
 pub(super) struct Memory {
     ticks: u64,
-    messages: VecDeque<Message>,
+    messages: VecDeque<Arc<Message>>,
     /// Ticks of the keyframes in it, ascending.
     keyframes: VecDeque<u64>,
 }
@@ -20,7 +21,7 @@ impl Memory {
         }
     }
 
-    pub fn push(&mut self, message: &Message) {
+    pub fn push(&mut self, message: &Arc<Message>) {
         if message.is_keyframe() {
             self.keyframes.push_back(message.tick);
         } else if self.keyframes.is_empty() {
@@ -44,7 +45,7 @@ impl Memory {
     }
 
     /// From the last keyframe at or before `tick` on; from the first there is, when that is later.
-    pub fn since(&self, tick: u64) -> impl Iterator<Item = &Message> {
+    pub fn since(&self, tick: u64) -> impl Iterator<Item = &Arc<Message>> {
         let from = self
             .keyframes
             .iter()
@@ -72,8 +73,8 @@ mod tests {
     use super::*;
     use crate::recording::Topic;
 
-    fn message(topic: Topic, tick: u64) -> Message {
-        Message::encoded(topic, tick, vec![0; 10])
+    fn message(topic: Topic, tick: u64) -> Arc<Message> {
+        Arc::new(Message::encoded(topic, tick, vec![0; 10]))
     }
 
     fn filled(ticks: u64, keep: u64, every: u64) -> Memory {

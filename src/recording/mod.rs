@@ -8,6 +8,7 @@
 //! ```
 
 mod channel;
+mod container;
 mod convert;
 mod disk;
 mod export;
@@ -36,7 +37,8 @@ mod totals;
 mod views;
 
 pub use channel::{EventRecord, Happening, Keyframe, NetRecord, OtherRecord, Topic};
-pub use disk::{Disk, DiskFile, FileSystem};
+pub use disk::{Disk, DiskFile, DiskSync, DiskTask, FileSystem};
+pub(crate) use disk::{create_new, give_name};
 pub use export::{
     Bucket, BucketedCurve, ExportError, Range, Series, csv, net_at, ros2_bag, series,
 };

@@ -3,11 +3,10 @@
 
 use super::channel::Topic;
 use super::disk::Disk;
-use super::file::SessionFile;
+use super::file::{ClosingFile, SessionFile, part_of};
 use super::format::WriteError;
 use super::head::Head;
 use super::message::Message;
-use super::report::RecordingSummary;
 use super::views::Views;
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
@@ -26,17 +25,58 @@ pub struct Split {
     pub total_bytes: Option<u64>,
 }
 
+/// A finished part and the one under way fit a total, with a second of either to spare.
+const PARTS_OF_A_TOTAL: u64 = 3;
+/// A part has at least so many ticks, whatever its share of a total.
+const LEAST_TICKS: u64 = 100;
+/// Of a total without a size or a duration of parts, a part is this share before compression.
+const PARTS_UNTOLD: u64 = 8;
+
 impl Split {
     fn splits(&self) -> bool {
         self.bytes.is_some() || self.duration.is_some() || self.total_bytes.is_some()
     }
 
-    /// Of a total without a size, a part is an eighth.
-    fn part_bytes(&self) -> Option<u64> {
-        self.bytes.or(self
-            .total_bytes
-            .filter(|_| self.duration.is_none())
-            .map(|total| (total / 8).max(1)))
+    /// Parts of these bounds fit the total. `head_bytes`: what a part has before its first message.
+    ///
+    /// # Errors
+    /// They do not.
+    pub(super) fn check(&self, head_bytes: u64) -> Result<(), WriteError> {
+        let Some(total_bytes) = self.total_bytes else {
+            return Ok(());
+        };
+        if let Some(part_bytes) = self.bytes.filter(|most| *most > total_bytes) {
+            return Err(WriteError::PartAboveTotal {
+                part_bytes,
+                total_bytes,
+            });
+        }
+        // Half of a part at least are ticks.
+        let least_bytes = 2 * PARTS_OF_A_TOTAL * head_bytes;
+        match total_bytes < least_bytes {
+            true => Err(WriteError::SmallTotal {
+                total_bytes,
+                head_bytes,
+                least_bytes,
+            }),
+            false => Ok(()),
+        }
+    }
+
+    /// A part of so many bytes on disk leaves no room for another.
+    fn takes_its_share(&self, disk_bytes: u64) -> bool {
+        let total = self.total_bytes;
+        total.is_some_and(|total| disk_bytes >= total / PARTS_OF_A_TOTAL)
+    }
+
+    /// A file of so many bytes before compression, on disk, and so much time is long enough.
+    fn is_full(&self, bytes: u64, disk_bytes: u64, time_ns: u128) -> bool {
+        let untold = self.bytes.is_none() && self.duration.is_none();
+        let total = self.total_bytes;
+        let share = total.filter(|_| untold).map(|total| total / PARTS_UNTOLD);
+        self.bytes.or(share).is_some_and(|most| bytes >= most)
+            || self.takes_its_share(disk_bytes)
+            || self.duration.is_some_and(|most| time_ns >= most.as_nanos())
     }
 }
 
@@ -51,17 +91,27 @@ pub(super) struct Parts {
     file: SessionFile,
     /// Losses before this part.
     dropped_before: u64,
+    /// Message bytes of the parts before it.
+    bytes_before: u64,
     /// Finished parts that are still there, with their sizes on disk.
     finished: VecDeque<(PathBuf, u64)>,
-    summaries: Vec<RecordingSummary>,
     /// A keyframe on which the next part may begin, and what followed it: the next tick decides.
-    held: Vec<Message>,
+    held: Vec<Arc<Message>>,
+    /// Parts that ended, until somebody takes them to wait for the disk.
+    pub closing: Vec<ClosingFile>,
+    /// Parts that were deleted, until somebody takes note.
+    pub deleted: Vec<PathBuf>,
+    /// Too many files wait for the disk: this part goes on until there are fewer.
+    pub crowded: bool,
+    /// A keyframe was asked for, to end this part.
+    asked: bool,
 }
 
 /// `dir/name.mcap` → `dir/name-0003.mcap`.
 fn numbered(path: &Path, number: u32) -> PathBuf {
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    path.with_file_name(format!("{stem}-{number:04}.mcap"))
+    let mut name = path.file_stem().unwrap_or_default().to_owned();
+    name.push(format!("-{number:04}.mcap"));
+    path.with_file_name(name)
 }
 
 fn name_of(path: &Path) -> String {
@@ -94,9 +144,13 @@ impl Parts {
             number: 1,
             file,
             dropped_before: dropped,
+            bytes_before: 0,
             finished: VecDeque::new(),
-            summaries: Vec::new(),
             held: Vec::new(),
+            closing: Vec::new(),
+            deleted: Vec::new(),
+            crowded: false,
+            asked: false,
         })
     }
 
@@ -105,23 +159,15 @@ impl Parts {
         self.file.target()
     }
 
-    /// Message bytes of the part under way.
+    /// Message bytes of all parts.
     pub fn bytes(&self) -> u64 {
-        self.summaries
-            .iter()
-            .map(|summary| summary.bytes)
-            .sum::<u64>()
-            + self.file.bytes
-    }
-
-    /// Newest tick written.
-    pub fn last_tick(&self) -> u64 {
-        self.file.last_tick
+        self.bytes_before + self.file.bytes
     }
 
     /// `dropped`: records lost so far, of all the daemon did.
-    pub fn put(&mut self, message: &Message, dropped: u64) -> Result<(), WriteError> {
-        let begins = message.is_keyframe() && self.file.ticks > 0 && self.is_full();
+    pub fn put(&mut self, message: &Arc<Message>, dropped: u64) -> Result<(), WriteError> {
+        let begins =
+            message.is_keyframe() && self.file.ticks > 0 && !self.crowded && self.is_full();
         match message.topic {
             // The next part has a tick at least.
             Topic::Tick if !self.held.is_empty() => {
@@ -153,15 +199,24 @@ impl Parts {
 
     fn is_full(&self) -> bool {
         let ticks = self.file.last_tick.saturating_sub(self.file.first_tick) + 1;
-        let long =
-            |most: Duration| u128::from(ticks) * u128::from(self.head.dt_ns) >= most.as_nanos();
+        let time_ns = u128::from(ticks) * u128::from(self.head.dt_ns);
         self.split
-            .part_bytes()
-            .is_some_and(|most| self.file.bytes >= most)
-            || self.split.duration.is_some_and(long)
+            .is_full(self.file.bytes, self.file.len(), time_ns)
+    }
+
+    /// The part has taken its share of the total and cannot wait for the next keyframe of the scene's
+    /// own: true once for each part.
+    pub fn wants_keyframe(&mut self) -> bool {
+        let wants = !self.asked
+            && !self.crowded
+            && self.file.ticks >= LEAST_TICKS
+            && self.split.takes_its_share(self.file.len());
+        self.asked |= wants;
+        wants
     }
 
     fn next_part(&mut self, dropped: u64) -> Result<(), WriteError> {
+        self.asked = false;
         self.number += 1;
         let target = numbered(&self.stem, self.number);
         let position = [
@@ -176,15 +231,17 @@ impl Parts {
             self.views.clone(),
         )?;
         let done = std::mem::replace(&mut self.file, next);
-        let summary = close(
-            done,
-            dropped - self.dropped_before,
-            &[("next_part", name_of(&target))],
-        )?;
+        let (next_part, lost) = (name_of(&target), dropped - self.dropped_before);
+        let done = done.finish(lost, true, &[("next_part", next_part)])?;
         self.dropped_before = dropped;
-        let size = std::fs::metadata(&summary.path).map_or(0, |data| data.len());
-        self.finished.push_back((summary.path.clone(), size));
-        self.summaries.push(summary);
+        self.bytes_before += done.summary.bytes;
+        self.finished
+            .push_back((done.summary.path.clone(), done.len));
+        if let Some(total) = self.split.total_bytes.filter(|total| done.len > *total) {
+            let (part, bytes) = (done.summary.path.display(), done.len);
+            tracing::warn!(%part, bytes, "a part is larger than --max-total {total} bytes: none is kept but the one that is written");
+        }
+        self.closing.push(done);
         self.make_room();
         Ok(())
     }
@@ -203,22 +260,22 @@ impl Parts {
         self.next_part(dropped)
     }
 
-    /// Deletes the oldest parts of this recording until the rest, with one part more, fits.
-    fn make_room(&mut self) {
+    /// Deletes the oldest parts of this recording until the rest, with one part more, fits. One is
+    /// kept if it fits alone.
+    pub fn make_room(&mut self) {
         let Some(most) = self.split.total_bytes else {
             return;
         };
-        let largest = self
-            .finished
-            .iter()
-            .map(|(_, size)| *size)
-            .max()
-            .unwrap_or(0);
-        while self.finished.len() > 1
-            && self.finished.iter().map(|(_, size)| size).sum::<u64>() + largest > most
-            && let Some((path, _)) = self.finished.pop_front()
-        {
-            match std::fs::remove_file(&path) {
+        let sizes = |parts: &VecDeque<(PathBuf, u64)>| parts.iter().map(|(_, size)| *size).sum();
+        let largest = self.finished.iter().map(|(_, size)| *size).max();
+        while let Some((path, _)) = self.finished.front() {
+            let kept: u64 = sizes(&self.finished);
+            let next = largest.filter(|_| self.finished.len() > 1).unwrap_or(0);
+            // One that waits for its name goes when it has it.
+            if kept + next <= most || part_of(path).exists() {
+                break;
+            }
+            match std::fs::remove_file(path) {
                 Ok(()) => {
                     tracing::info!(part = %path.display(), "deleted to stay within the disk budget")
                 }
@@ -226,42 +283,15 @@ impl Parts {
                     tracing::warn!(part = %path.display(), %error, "a part could not be deleted")
                 }
             }
+            self.deleted
+                .extend(self.finished.pop_front().map(|(path, _)| path));
         }
     }
 
     /// Ends the recording.
-    pub fn finish(
-        mut self,
-        stats: &Message,
-        dropped: u64,
-    ) -> (Vec<RecordingSummary>, Result<(), WriteError>) {
-        let ended = self.release().and_then(|()| self.file.put(stats));
-        let ended = ended.and_then(|()| close(self.file, dropped - self.dropped_before, &[]));
-        let ended = ended.map(|summary| self.summaries.push(summary));
-        (self.summaries, ended)
+    pub fn finish(mut self, stats: &Message, dropped: u64) -> Result<ClosingFile, WriteError> {
+        self.release()?;
+        self.file.put(stats)?;
+        self.file.finish(dropped - self.dropped_before, true, &[])
     }
-
-    /// What was finished before the disk refused.
-    pub fn abandon(self) -> Vec<RecordingSummary> {
-        self.summaries
-    }
-}
-
-fn close(
-    file: SessionFile,
-    dropped: u64,
-    position: &[(&str, String)],
-) -> Result<RecordingSummary, WriteError> {
-    let mut summary = RecordingSummary {
-        path: file.target().to_owned(),
-        ticks: file.ticks,
-        first_tick: file.first_tick,
-        last_tick: file.last_tick,
-        final_hash: file.last_hash,
-        session_hash: file.session.0,
-        dropped,
-        bytes: file.bytes,
-    };
-    summary.path = file.finish(dropped, true, position)?;
-    Ok(summary)
 }

@@ -41,6 +41,9 @@ pub struct RecorderPort {
     owed: bool,
     /// The keyframe to begin with has left: ticks follow.
     open: bool,
+    /// A command was lost: ticks after it do not follow from those before, and are lost too, until
+    /// the next keyframe.
+    torn: bool,
     tool_count: usize,
     keyframe_every: u64,
     /// Tick after which the last commands acted, and how many.
@@ -82,6 +85,7 @@ pub(super) fn port(
         generation: 0,
         owed: false,
         open: false,
+        torn: false,
         tool_count: scene.tool_count(),
         keyframe_every: ((record.keyframe_s * rate).round() as u64).max(1),
         commanded: (0, 0),
@@ -127,7 +131,7 @@ impl RecorderPort {
     }
 
     fn push_tick(&mut self, record: &TickRecord) {
-        if self.heads.slots() == 0 || self.rows.slots() < self.tool_count {
+        if self.torn || self.heads.slots() == 0 || self.rows.slots() < self.tool_count {
             return self.lost();
         }
         for tool in 0..self.tool_count {
@@ -172,7 +176,7 @@ impl RecorderPort {
         };
         // The ring has room for all buffers.
         let _ = self.full_keyframes.push(buffer);
-        (self.owed, self.open) = (false, true);
+        (self.owed, self.open, self.torn) = (false, true, false);
         // Whoever starts at a keyframe finds every net within a tick of it.
         self.net_schedule.restart();
     }
@@ -198,6 +202,7 @@ impl Journal for RecorderPort {
             return;
         }
         if self.commands.push((after_tick, command)).is_err() {
+            self.torn = true;
             return self.lost();
         }
         let before = if self.commanded.0 == after_tick {

@@ -2,6 +2,7 @@
 //! writes.
 
 use super::disk::{Disk, FileSystem};
+use super::file::SessionFile;
 use super::format::WriteError;
 use super::head::Head;
 use super::keeper::{Keeper, Mail, NextScene};
@@ -12,10 +13,11 @@ use super::report::RecordingReport;
 use super::views::Views;
 use crate::drive::archive::{Archive, ArchiveNews, ArchiveRequest};
 use crate::drive::journal::JournalGauges;
+use palpate_proto::text::is_unprintable;
 use palpate_sim::scene::Scene;
 use palpate_sim::scene::spec::SceneSpec;
 use std::collections::BTreeMap;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -209,6 +211,12 @@ fn keeper(
     )?;
     head.extra.extend(settings.extra);
     let views = Views::of(scene);
+    let head_bytes = SessionFile::head_bytes(&head, views.clone());
+    let head_bytes = head_bytes.map_err(|source| WriteError::Io {
+        path: settings.path.clone().unwrap_or_default(),
+        source,
+    })?;
+    settings.split.check(head_bytes)?;
     let memory = settings
         .ring
         .map(|ring| Memory::new((ring.as_secs_f64() / scene.dt_s).round() as u64));
@@ -315,17 +323,33 @@ pub(super) fn place(
     let Some(name) = name else {
         return Ok(default_path(directory, stem));
     };
-    // A name that ends with a slash has one component too, and would be a directory's.
-    let plain = matches!(
-        name.components().collect::<Vec<_>>()[..],
-        [Component::Normal(only)] if only == name.as_os_str()
-    );
-    if !plain || name.extension().is_none_or(|extension| extension != "mcap") {
-        return Err(format!(
-            "{:?} is not a valid file name; use one like session.mcap, without a directory: the file is written to {}",
-            name,
+    check_name(&name).map_err(|error| error.to_string())?;
+    let text = name.to_str().and_then(|name| name.strip_suffix(".mcap"));
+    // Other systems separate by a backslash, shells read a dash as an option and hide what begins
+    // with a dot; a blank at an end is not seen.
+    let plain = text.is_some_and(|stem| {
+        !stem.is_empty()
+            && !stem.contains(['/', '\\'])
+            && !stem.starts_with(['.', '-', '~'])
+            && stem.trim() == stem
+    });
+    match plain {
+        true => Ok(directory.join(name)),
+        false => Err(format!(
+            "{name:?} is not a valid file name; use one like session.mcap, without a directory: the file is written to {}",
             directory.display()
-        ));
+        )),
     }
-    Ok(directory.join(name))
+}
+
+/// Refuses the name of a file that terminals, logs and pages would not show as it is.
+pub(super) fn check_name(path: &Path) -> Result<(), WriteError> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    match name.chars().find(|c| is_unprintable(*c)) {
+        None => Ok(()),
+        Some(character) => Err(WriteError::Name {
+            name: name.into_owned(),
+            character,
+        }),
+    }
 }

@@ -113,7 +113,7 @@ fn copy(session: &Session, head: &Head, mut file: SessionFile) -> Result<Recover
     }
     let (ticks, last_tick) = (file.ticks, file.last_tick);
     let dropped = session.end_number("dropped_records").unwrap_or(0);
-    let path = file.finish(dropped, session.is_whole(), &[])?;
+    let path = file.finish(dropped, session.is_whole(), &[])?.wait()?;
     Ok(Recovered {
         path,
         ticks,

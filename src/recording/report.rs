@@ -22,6 +22,8 @@ pub struct RecordingSummary {
     pub dropped: u64,
     /// Message bytes before compression.
     pub bytes: u64,
+    /// It was deleted since, to stay within the disk budget.
+    pub deleted: bool,
 }
 
 /// What a recorder did.

@@ -102,6 +102,6 @@ fn copy(session: &Session, scene: &Scene, every: u64) -> Result<Vec<u8>, Recover
             file.put(&message)?;
         }
     }
-    file.finish(0, false, &[])?;
+    file.finish(0, false, &[])?.wait()?;
     read(&path)
 }

@@ -9,6 +9,7 @@ use palpate_client::device::{
     SimulatedDevice, Waypoint, devices,
 };
 use palpate_geometry::math::{Point3, Rotation, Vector3};
+use palpate_proto::text::located;
 use palpate_sim::haptics::DevicePose;
 use palpate_sim::solve::grip::GRAB;
 use palpate_sim::tick::record::ToolOutput;
@@ -162,8 +163,9 @@ fn path(file: &str, source: &Source) -> Result<Path, ScenarioError> {
         path: format!("{}/{file}", source.name()),
         reason,
     };
-    let read: MotionFile =
-        toml::from_str(&source.text(file)?).map_err(|error| wrong(error.to_string()))?;
+    let text = source.text(file)?;
+    let read: MotionFile = toml::from_str(&text)
+        .map_err(|error| wrong(located(&text, error.span(), error.message())))?;
     Path::new(read.waypoints, read.interpolation, read.repeat, file)
         .map_err(|error| wrong(error.to_string()))
 }

@@ -12,6 +12,7 @@ use crate::drive::nets::NetPool;
 use crate::drive::ports::BUS_NETS;
 use crate::recording::{Recorder, RecorderPort, RecorderSettings};
 use palpate_geometry::math::state_hash;
+use palpate_proto::text::located;
 use palpate_sim::scene::spec::Clock;
 use palpate_sim::scene::{Scene, file, inline_files};
 use palpate_sim::tick::record::TickRecord;
@@ -64,8 +65,12 @@ pub struct Played {
 fn scene_of(run: &RunSpec, source: &Source) -> Result<(file::Loaded, Scene), ScenarioError> {
     let wrong = |reason: String| ScenarioError::run(&run.name, reason);
     let text = source.text("scene.toml")?;
-    let mut table: toml::Table =
-        toml::from_str(&text).map_err(|error| wrong(format!("scene.toml: {error}")))?;
+    let mut table: toml::Table = toml::from_str(&text).map_err(|error| {
+        wrong(format!(
+            "scene.toml: {}",
+            located(&text, error.span(), error.message())
+        ))
+    })?;
     for (path, value) in &run.set {
         change::set(&mut table, path, value).map_err(wrong)?;
     }
@@ -105,8 +110,8 @@ fn inline(table: &mut toml::Table, source: &Source) -> Result<(), ScenarioError>
                     serde_json::from_str(&text).map_err(|error| wrong(error.to_string()))?;
                 part.insert("inline".into(), value);
             } else {
-                let read: toml::Table =
-                    toml::from_str(&text).map_err(|error| wrong(error.to_string()))?;
+                let read: toml::Table = toml::from_str(&text)
+                    .map_err(|error| wrong(located(&text, error.span(), error.message())))?;
                 part.extend(read);
             }
         }

@@ -2,6 +2,7 @@
 
 use super::hands::HandSpec;
 use super::measure::MeasureSpec;
+use palpate_proto::text::located;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -179,7 +180,8 @@ impl ScenarioSpec {
             path: format!("{name}/scenario.toml"),
             reason,
         };
-        let spec: Self = toml::from_str(text).map_err(|e| wrong(e.to_string()))?;
+        let spec: Self = toml::from_str(text)
+            .map_err(|error| wrong(located(text, error.span(), error.message())))?;
         let is_run = |name: &String| spec.runs.iter().any(|run| run.name == *name);
         let mut named = Vec::new();
         for measure in &spec.measures {

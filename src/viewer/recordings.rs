@@ -13,6 +13,7 @@ use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 use palpate_proto::codec::encode;
+use palpate_proto::text::printable;
 use sha2::Digest as _;
 use std::fs::File;
 use std::io::{Read as _, Seek as _, SeekFrom};
@@ -89,9 +90,14 @@ impl RecordingsViewer {
 
 async fn session_json(State(all): State<All>, against: bool) -> Response {
     let recordings = all.iter().enumerate().map(|(k, served)| ListedRecording {
-        name: (served.path.file_name().unwrap_or_default())
-            .to_string_lossy()
-            .into_owned(),
+        name: printable(
+            &served
+                .path
+                .file_name()
+                .unwrap_or_default()
+                .to_string_lossy(),
+        )
+        .into_owned(),
         url: format!("/recordings/{k}/file.mcap"),
         bytes: std::fs::metadata(&served.path).map_or(0, |file| file.len()),
         tools_url: format!("/recordings/{k}/tools.json"),

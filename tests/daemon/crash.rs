@@ -26,9 +26,10 @@ fn palpate(arguments: &[&str]) -> (String, String, i32) {
     )
 }
 
-// `palpate bench recording --only kill` does the same a hundred times.
+// `palpate-bench recording --only kill` does the same a hundred times, and on disks that take seconds for a
+// sync; what they leave then is in `slow_disk`.
 #[test]
-fn a_killed_daemon_leaves_all_but_half_a_second() {
+fn a_killed_daemon_leaves_all_but_a_quarter_of_a_second() {
     let directory = tempfile::tempdir().unwrap();
     for (k, after_ms) in [150, 700].into_iter().enumerate() {
         let file = directory.path().join(format!("{k}.mcap"));
@@ -52,13 +53,13 @@ fn a_killed_daemon_leaves_all_but_half_a_second() {
         daemon.child.wait().unwrap();
         let seen = tool.force().unwrap().tick;
         let part = format!("{}.part", file.display());
-        // Half a second, and what a loaded machine may keep the recorder's thread waiting.
+        // A quarter of a second, and what a loaded machine may keep the recorder's thread waiting.
         let (text, words, code) = palpate(&["recover", &part, "--json"]);
         assert_eq!(code, 0, "{words}");
         let told: serde_json::Value = serde_json::from_str(&text).unwrap();
         let last = told["last_tick"].as_u64().unwrap();
         assert!(
-            last + 2_000 >= seen,
+            last + 1_000 >= seen,
             "tick {seen} was seen, {last} is the last of the file"
         );
         println!("killed at tick {seen}, recovered up to {last}");

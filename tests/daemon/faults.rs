@@ -58,7 +58,7 @@ fn no_fault_leads_to_what_must_not_happen() {
         wrong.join("\n")
     );
     // The simulation is worth something: hands are pressed, daemons killed, packets lost.
-    assert_eq!(kinds.len(), 15, "{kinds:?}");
+    assert_eq!(kinds.len(), 17, "{kinds:?}");
     assert!(
         most.peak_force_n > 1.0 && most.packets[0] > 1_000 && most.most_lost > 0,
         "{most:?}"

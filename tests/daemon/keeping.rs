@@ -16,7 +16,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 /// Waits for news that fit.
-fn news(archive: &mut Box<dyn Archive>, fits: impl Fn(&ArchiveNews) -> bool) -> ArchiveNews {
+pub fn news(archive: &mut Box<dyn Archive>, fits: impl Fn(&ArchiveNews) -> bool) -> ArchiveNews {
     let started = Instant::now();
     let mut seen = Vec::new();
     loop {
@@ -33,24 +33,39 @@ fn news(archive: &mut Box<dyn Archive>, fits: impl Fn(&ArchiveNews) -> bool) -> 
 }
 
 /// The answer to a request.
-fn answer(archive: &mut Box<dyn Archive>, wanted: u64) -> Result<(u64, PathBuf), String> {
-    let own = |news: &ArchiveNews| match news {
-        ArchiveNews::Done { id, .. } | ArchiveNews::Refused { id, .. } => *id == wanted,
-        _ => false,
-    };
-    match news(archive, own) {
-        ArchiveNews::Done { tick, path, .. } => Ok((tick, path)),
-        ArchiveNews::Refused { reason, .. } => Err(reason),
-        other => panic!("{other:?}"),
-    }
+pub fn answer(archive: &mut Box<dyn Archive>, wanted: u64) -> Result<(u64, PathBuf), String> {
+    let [answer] = answers(archive, [wanted]);
+    answer
 }
 
-fn ticks(live: &mut Live, count: usize) {
+/// The answers to requests, in whatever order they come.
+pub fn answers<const N: usize>(
+    archive: &mut Box<dyn Archive>,
+    wanted: [u64; N],
+) -> [Result<(u64, PathBuf), String>; N] {
+    let mut answers = wanted.map(|_| None);
+    while let Some(missing) = answers.iter().position(Option::is_none) {
+        let own = |news: &ArchiveNews| match news {
+            ArchiveNews::Done { id, .. } | ArchiveNews::Refused { id, .. } => wanted.contains(id),
+            _ => false,
+        };
+        let (id, answer) = match news(archive, own) {
+            ArchiveNews::Done { id, tick, path } => (id, Ok((tick, path))),
+            ArchiveNews::Refused { id, reason } => (id, Err(reason)),
+            other => panic!("{other:?}"),
+        };
+        let at = wanted.iter().position(|own| *own == id);
+        answers[at.unwrap_or(missing)] = Some(answer);
+    }
+    answers.map(|answer| answer.unwrap())
+}
+
+pub fn ticks(live: &mut Live, count: usize) {
     (0..count).for_each(|_| live.tick());
 }
 
 /// A file holds exactly these ticks of what was simulated, and replays alone.
-fn holds(path: &Path, records: &[TickRecord], from: u64, to: u64) {
+pub fn holds(path: &Path, records: &[TickRecord], from: u64, to: u64) {
     let session = Session::open(path).unwrap();
     let name = path.display();
     assert!(session.is_whole() && session.gaps() == 0, "{name}");
@@ -209,6 +224,19 @@ fn a_client_names_a_file_but_no_place() {
         "",
         "..",
         ".mcap/..",
+        ".mcap",
+        ".hidden.mcap",
+        "-rf.mcap",
+        "~.mcap",
+        " a.mcap",
+        "a .mcap",
+        "a\\b.mcap",
+        "a\n.mcap",
+        "a\u{1b}[2J.mcap",
+        "a\u{9b}2J.mcap",
+        "a\u{202e}pacm.mcap",
+        "a\u{2028}.mcap",
+        "a\u{200b}.mcap",
         "there.mcap",
         "half.mcap",
     ];
@@ -285,15 +313,22 @@ fn a_snapshot_holds_the_seconds_before_and_after() {
     while live.recorder.gauges().state.load(Ordering::Relaxed) != keeping::RING {
         std::thread::sleep(Duration::from_millis(1));
     }
-    std::thread::sleep(Duration::from_millis(50));
+    let begun = || {
+        parts(directory.path())
+            .iter()
+            .filter(|path| path.extension().is_some_and(|kind| kind == "part"))
+            .count()
+    };
+    while begun() < 2 {
+        assert!(started.elapsed() < Duration::from_secs(60));
+        std::thread::sleep(Duration::from_millis(1));
+    }
     ticks(&mut live, 300);
-    let (end, short) = answer(&mut archive, 101).unwrap();
-    assert_eq!(end, 1_100);
-    let (end, long) = answer(&mut archive, 100).unwrap();
-    assert_eq!(end, 1_250);
+    let [short, long] = answers(&mut archive, [101, 100]).map(Result::unwrap);
+    assert_eq!((short.0, long.0), (1_100, 1_250));
     // Ten seconds are more than there is: all that is held.
-    holds(&long, &live.records, 501, 1_250);
-    holds(&short, &live.records, 1_001, 1_100);
+    holds(&long.1, &live.records, 501, 1_250);
+    holds(&short.1, &live.records, 1_001, 1_100);
     for (before_s, after_s) in [
         (-1.0, 0.0),
         (0.0, f64::NAN),
@@ -316,7 +351,7 @@ fn a_snapshot_holds_the_seconds_before_and_after() {
     ticks(&mut without, 1);
 }
 
-fn parts(directory: &Path) -> Vec<PathBuf> {
+pub fn parts(directory: &Path) -> Vec<PathBuf> {
     let mut parts: Vec<_> = std::fs::read_dir(directory)
         .unwrap()
         .map(|entry| entry.unwrap().path())
@@ -414,11 +449,13 @@ struct Poor {
     stalled: Arc<AtomicU64>,
 }
 
-struct PoorFile(Poor, Box<dyn DiskFile>);
+struct PoorFile(Poor, Box<dyn Write + Send>);
 
 impl Disk for Poor {
-    fn create(&self, path: &Path) -> io::Result<Box<dyn DiskFile>> {
-        Ok(Box::new(PoorFile(self.clone(), FileSystem.create(path)?)))
+    fn create(&self, path: &Path) -> io::Result<DiskFile> {
+        let DiskFile { bytes, sync } = FileSystem.create(path)?;
+        let bytes = Box::new(PoorFile(self.clone(), bytes));
+        Ok(DiskFile { bytes, sync })
     }
 }
 
@@ -442,12 +479,6 @@ impl Write for PoorFile {
 
     fn flush(&mut self) -> io::Result<()> {
         self.1.flush()
-    }
-}
-
-impl DiskFile for PoorFile {
-    fn sync(&mut self) -> io::Result<()> {
-        self.1.sync()
     }
 }
 
@@ -569,19 +600,111 @@ fn a_full_disk_ends_the_recording_and_nothing_else() {
     holds(&after, &records, first, records.len() as u64);
 }
 
+/// Why a recording cannot begin.
+fn refused(path: &Path, split: Split) -> WriteError {
+    let loaded = palpate_sim::scene::file::parse(RIGID, "test.toml", Path::new(".")).unwrap();
+    let scene = palpate_sim::scene::Scene::build(&loaded.spec, Path::new(".")).unwrap();
+    let settings = RecorderSettings {
+        split,
+        ..RecorderSettings::new(RIGID, &loaded.spec).to(path)
+    };
+    palpate::recording::Recorder::start(settings, &scene)
+        .map(|_| ())
+        .expect_err("started")
+}
+
+#[test]
+fn a_disk_budget_that_its_parts_exceed_is_refused_with_the_numbers() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("a.mcap");
+    let split = |bytes, total| Split {
+        bytes,
+        total_bytes: Some(total),
+        ..Split::default()
+    };
+    let error = refused(&path, split(Some(500_000_000), 100_000_000));
+    assert!(
+        matches!(error, WriteError::PartAboveTotal { part_bytes: 500_000_000, total_bytes } if total_bytes == 100_000_000),
+        "{error}"
+    );
+    let error = refused(&path, split(None, 50_000)).to_string();
+    let numbers: Vec<u64> = (error.split(' ').filter_map(|word| word.parse().ok())).collect();
+    let [50_000, head, least] = numbers[..] else {
+        panic!("{error}");
+    };
+    assert!((10_000..200_000).contains(&head) && least > head, "{error}");
+    assert!(parts(directory.path()).is_empty());
+    // What it asks for is enough.
+    Live::with(RIGID, |settings| RecorderSettings {
+        split: split(None, least),
+        ..settings.to(&path)
+    })
+    .finish();
+}
+
+#[test]
+fn a_disk_budget_holds_whatever_else_ends_a_part() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("rolling.mcap");
+    // Keyframes of its own come too late.
+    let text = RIGID.replace("keyframe_s = 0.2", "keyframe_s = 60.0");
+    let total = 600_000;
+    let split = Split {
+        duration: Some(Duration::from_secs(600)),
+        total_bytes: Some(total),
+        ..Split::default()
+    };
+    let mut live = Live::with(&text, |settings| RecorderSettings {
+        split,
+        ..settings.to(&path)
+    });
+    let mut archive = live.recorder.archive().unwrap();
+    let mut most = 0;
+    for round in 0..80 {
+        ticks(&mut live, 100);
+        // Between the answers to two requests the recorder has had a turn.
+        for id in [2 * round, 2 * round + 1] {
+            archive.ask(id, ArchiveRequest::Start { path: None });
+            assert!(answer(&mut archive, id).is_err());
+        }
+        // A part may be renamed or deleted between being listed and being measured.
+        let size = |path: PathBuf| std::fs::metadata(path).map_or(0, |data| data.len());
+        most = most.max(parts(directory.path()).into_iter().map(size).sum::<u64>());
+    }
+    let (report, records) = live.report();
+    assert!(most <= total, "{most} bytes at one time");
+    let files = parts(directory.path());
+    let (deleted, kept): (Vec<_>, Vec<_>) = report.files.iter().partition(|file| file.deleted);
+    assert!(!deleted.is_empty() && kept.len() >= 2, "{report:?}");
+    assert!(kept.iter().map(|file| &file.path).eq(&files), "{report:?}");
+    for summary in &kept {
+        holds(
+            &summary.path,
+            &records,
+            summary.first_tick,
+            summary.last_tick,
+        );
+    }
+}
+
+#[test]
+fn a_recording_with_a_name_that_is_not_shown_as_it_is_does_not_begin() {
+    let directory = tempfile::tempdir().unwrap();
+    for name in ["a\u{7}.mcap", "a\u{202e}pacm.mcap"] {
+        let error = refused(&directory.path().join(name), Split::default());
+        assert!(matches!(error, WriteError::Name { .. }), "{error}");
+        let said = error.to_string();
+        assert!(!said.contains(['\u{7}', '\u{202e}']), "{said:?}");
+    }
+    assert!(parts(directory.path()).is_empty());
+}
+
 #[test]
 fn nothing_is_overwritten() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("there.mcap");
     std::fs::write(&path, b"precious").unwrap();
-    let loaded = palpate_sim::scene::file::parse(RIGID, "test.toml", Path::new(".")).unwrap();
-    let scene = palpate_sim::scene::Scene::build(&loaded.spec, Path::new(".")).unwrap();
-    let start = |path: &Path| {
-        let settings = RecorderSettings::new(RIGID, &loaded.spec).to(path);
-        palpate::recording::Recorder::start(settings, &scene)
-            .map(|_| ())
-            .expect_err("started")
-    };
+    let start = |path: &Path| refused(path, Split::default());
     assert!(matches!(start(&path), WriteError::Exists { .. }));
     std::fs::rename(&path, directory.path().join("there.mcap.part")).unwrap();
     let error = start(&path);

@@ -41,6 +41,7 @@ mod many_tools;
 #[path = "page/mod.rs"]
 mod pages;
 mod play;
+mod quoting;
 mod reach;
 mod readers_that_stop;
 mod readmes;
@@ -51,6 +52,7 @@ mod replay_levels;
 mod scenarios;
 mod self_check;
 mod sessions;
+mod slow_disk;
 mod streaming;
 mod surface_commands;
 mod surface_pipe;

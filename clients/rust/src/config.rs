@@ -1,5 +1,6 @@
 //! Zenoh configurations of users: our defaults below them, and what this build does not have.
 
+use palpate_proto::text::without_value;
 use serde_json::Value;
 use std::path::Path;
 
@@ -12,12 +13,22 @@ pub struct Named {
     pub connect: bool,
 }
 
+/// A configuration file as Zenoh reads it.
+fn read(path: &Path) -> Result<zenoh::Config, String> {
+    let known =
+        |kind: &std::ffi::OsStr| ["json5", "json", "yaml", "yml"].iter().any(|k| kind == *k);
+    if !path.extension().is_some_and(known) {
+        return Err("a configuration is a file .json5, .json or .yaml".into());
+    }
+    zenoh::Config::from_file(path).map_err(|e| refusal(&e.to_string()))
+}
+
 /// What a configuration file names.
 ///
 /// # Errors
 /// It cannot be read or parsed.
 pub fn named(path: &Path) -> Result<Named, String> {
-    let config = zenoh::Config::from_file(path).map_err(|e| e.to_string())?;
+    let config = read(path)?;
     let own = zenoh::Config::default();
     let differs = |key: &str| config.get_json(key).ok() != own.get_json(key).ok();
     Ok(Named {
@@ -51,7 +62,7 @@ pub fn configuration(path: Option<&Path>, mode: &str) -> Result<zenoh::Config, S
     let (mut config, named) = match path {
         None => (zenoh::Config::default(), Named::default()),
         Some(path) => {
-            let config = zenoh::Config::from_file(path).map_err(|e| e.to_string())?;
+            let config = read(path)?;
             check_built_in(&config)?;
             check_keys(&config, path)?;
             (config, named(path)?)
@@ -80,13 +91,45 @@ fn set(config: &mut zenoh::Config, key: &str, value: &str) -> Result<(), String>
         .map_err(|e| format!("{key}: {e}"))
 }
 
+/// Reads JSON5. What is wrong is said by its place: the file may hold a key, or be another than was
+/// meant, and its lines do not belong into a log.
+fn json5_value(text: &str) -> Result<Value, String> {
+    json5::from_str(text).map_err(|json5::Error::Message { location, .. }| {
+        let place = location.map_or(String::new(), |at| {
+            format!(" at line {}, column {}", at.line, at.column)
+        });
+        format!("it is not JSON5{place}")
+    })
+}
+
+/// Zenoh's refusal of a configuration, without the values that stand there: `… msg: "unknown variant
+/// `x`, expected one of `a`, `b`", location: Some(Location { line: 1, column: 9 }) } at …`.
+fn refusal(zenoh: &str) -> String {
+    let number = |name: &str| {
+        let (_, rest) = zenoh.rsplit_once(name)?;
+        let end = rest.find(|c: char| !c.is_ascii_digit())?;
+        rest[..end].parse::<u32>().ok()
+    };
+    let place = match (number("line: "), number("column: ")) {
+        (Some(line), Some(column)) => format!("line {line}, column {column}: "),
+        _ => String::new(),
+    };
+    let message = zenoh
+        .split_once("\", l")
+        .map_or(zenoh, |(message, _)| message);
+    match message.contains(", expected ") {
+        true => format!("{place}{}", without_value(message)),
+        false => format!("{place}Zenoh does not take the value that stands there"),
+    }
+}
+
 /// The TLS section of an identity file that `palpate auth` made: keys and certificates of one role.
 ///
 /// # Errors
 /// The file cannot be read, or is none.
 pub fn identity(path: &Path) -> Result<Value, String> {
     let text = std::fs::read_to_string(path).map_err(|e| e.to_string())?;
-    let value: Value = json5::from_str(&text).map_err(|e| e.to_string())?;
+    let value = json5_value(&text)?;
     match value.pointer("/transport/link/tls") {
         Some(tls) if tls["connect_certificate_base64"].is_string() => Ok(tls.clone()),
         _ => Err("it is no identity: `palpate auth issue` makes one".into()),
@@ -102,7 +145,7 @@ pub fn add_identity(config: &mut zenoh::Config, path: &Path) -> Result<(), Strin
     let wrong = |reason: String| format!("identity {}: {reason}", path.display());
     let tls = identity(path).map_err(wrong)?;
     let done = config.insert_json5("transport/link/tls", &tls.to_string());
-    done.map_err(|e| wrong(e.to_string()))
+    done.map_err(|e| wrong(refusal(&e.to_string())))
 }
 
 /// Refuses a file with a private key that others can read, as ssh does. Of root's files, which a program of

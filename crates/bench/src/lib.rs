@@ -31,7 +31,7 @@ pub use deformation::{
 pub use faults::{FaultOptions, faults};
 pub use figure::{Bar, Figure, figures_table};
 pub use modeling::modeling;
-pub use recording::recording;
+pub use recording::{RecorderOptions, record_until_killed, recording};
 pub use relay::{RelayOptions, SubscriberOptions, relay, subscribers};
 pub use soak::{SoakOptions, soak};
 pub use surface::surface;

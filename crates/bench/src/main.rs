@@ -4,10 +4,10 @@
 use anyhow::Context;
 use clap::Parser;
 use palpate_bench::{
-    Effort, FaultOptions, Figure, HardRow, RelayOptions, Row, SoakOptions, SubscriberOptions,
-    contact, deformation, faults, figures_table, haptics, hard_cases, hard_table, modeling, pareto,
-    picture, plasticine_picture, plasticine_table, recording, relay, soak, subscribers, surface,
-    table, viewer,
+    Effort, FaultOptions, Figure, HardRow, RecorderOptions, RelayOptions, Row, SoakOptions,
+    SubscriberOptions, contact, deformation, faults, figures_table, haptics, hard_cases,
+    hard_table, modeling, pareto, picture, plasticine_picture, plasticine_table,
+    record_until_killed, recording, relay, soak, subscribers, surface, table, viewer,
 };
 use std::io::Write;
 use std::process::ExitCode;
@@ -65,6 +65,9 @@ enum Suite {
     /// Some of those who watch, in a process of their own.
     #[command(hide = true)]
     Subscribers(SubscriberOptions),
+    /// A recorder on a disk that is slow, until it is killed.
+    #[command(hide = true)]
+    Recorder(RecorderOptions),
     /// A daemon at work for long: growth of memory, descriptors and threads, late ticks.
     Soak(SoakOptions),
     /// Merge, isolate, pipe and branch: times, deviations, ratios, gaps and angles.
@@ -135,6 +138,9 @@ fn run(args: &Cli) -> anyhow::Result<()> {
     if let Suite::Subscribers(options) = &args.suite {
         return subscribers(options);
     }
+    if let Suite::Recorder(options) = &args.suite {
+        return record_until_killed(options);
+    }
     let (options, svg) = match &args.suite {
         Suite::Surface(options)
         | Suite::Recording(options)
@@ -143,9 +149,11 @@ fn run(args: &Cli) -> anyhow::Result<()> {
         Suite::Contact { options, svg }
         | Suite::Deformation { options, svg, .. }
         | Suite::Haptics { options, svg, .. } => (options, svg.as_deref()),
-        Suite::Faults(_) | Suite::Soak(_) | Suite::Relay(_) | Suite::Subscribers(_) => {
-            return Ok(());
-        }
+        Suite::Faults(_)
+        | Suite::Soak(_)
+        | Suite::Relay(_)
+        | Suite::Subscribers(_)
+        | Suite::Recorder(_) => return Ok(()),
     };
     let effort = if options.quick {
         Effort::Quick
@@ -177,7 +185,8 @@ fn run(args: &Cli) -> anyhow::Result<()> {
         | Suite::Faults(_)
         | Suite::Soak(_)
         | Suite::Relay(_)
-        | Suite::Subscribers(_) => {}
+        | Suite::Subscribers(_)
+        | Suite::Recorder(_) => {}
     }
     // They take a minute: when there is time, or when they are asked for.
     if matches!(&args.suite, Suite::Deformation { .. })

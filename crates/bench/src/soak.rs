@@ -14,7 +14,7 @@ const WARM: f64 = 0.25;
 /// Growth below this is not told from noise, kB/min; a real leak shows in its multiples.
 const MEMORY_NOISE: f64 = 128.0;
 
-/// Files of the recording: each keeps the index of its chunks until it ends, some 175 kB a minute.
+/// Files of the recording: each keeps the index of its chunks until it ends, at most 40 kB a minute.
 const PARTS: f64 = 12.0;
 
 /// How long.

@@ -69,7 +69,7 @@ pub fn report(served: &EndedSession) -> serde_json::Value {
     let us = |q: f64| report.lateness.quantile(q) as f64 * 1e-3;
     let files = served.recording.files.iter().map(|file| {
         serde_json::json!({
-            "path": file.path, "ticks": file.ticks, "lost": file.dropped,
+            "path": file.path, "ticks": file.ticks, "lost": file.dropped, "deleted": file.deleted,
             "session_hash": format!("{:016x}", file.session_hash),
         })
     });
@@ -111,7 +111,17 @@ pub fn summary(served: &EndedSession) {
             "self-check: {ticks} ticks re-run in {checks} checks, {unchecked} unchecked, {differences} differences"
         );
     }
-    for recording in &served.recording.files {
+    let (deleted, kept): (Vec<_>, Vec<_>) =
+        (served.recording.files.iter()).partition(|file| file.deleted);
+    if let (Some(first), Some(last)) = (deleted.first(), deleted.last()) {
+        println!(
+            "deleted {} files with ticks {} to {}, to stay within --max-total",
+            deleted.len(),
+            first.first_tick,
+            last.last_tick
+        );
+    }
+    for recording in kept {
         println!(
             "recorded {} ({} ticks, {} lost), session hash {:016x}",
             recording.path.display(),

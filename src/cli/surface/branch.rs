@@ -8,6 +8,7 @@ use palpate_geometry::surface::file::Unit;
 use palpate_modeling::branch::{
     GOAL_ANGLE_DEG, GOAL_EDITED_ANGLE_DEG, Measures, Patch, PatchTable, Tree, Welded, grow,
 };
+use palpate_proto::text::located;
 use std::path::{Path, PathBuf};
 
 /// Chord tolerance of triangles, relative to the patch's size.
@@ -127,7 +128,10 @@ fn file(
 fn grown(path: &Path) -> anyhow::Result<Subject> {
     let name = || path.display().to_string();
     let text = std::fs::read_to_string(path).with_context(name)?;
-    let tree: Tree = toml::from_str(&text).with_context(name)?;
+    let wrong = |error: toml::de::Error| located(&text, error.span(), error.message());
+    let tree: Tree = toml::from_str(&text)
+        .map_err(|error| anyhow::anyhow!(wrong(error)))
+        .with_context(name)?;
     let grown = grow(&tree).with_context(name)?;
     Ok(Subject {
         surface: grown.surface,

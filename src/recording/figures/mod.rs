@@ -13,6 +13,7 @@ pub use simulate::{Start, simulate_figures};
 
 use super::replay::ReplayError;
 use palpate_geometry::math::Point3;
+use palpate_proto::text::without_value;
 use palpate_sim::scene::Scene;
 use palpate_sim::tick::SceneState;
 use palpate_sim::tick::flags;
@@ -256,12 +257,10 @@ impl Figures {
             path: path.to_owned(),
             reason,
         };
-        let figures: Self = serde_json::from_str(&text).map_err(|e| wrong(e.to_string()))?;
+        let figures: Self = serde_json::from_str(&text)
+            .map_err(|e| wrong(without_value(&e.to_string()).into_owned()))?;
         if figures.format != FORMAT {
-            return Err(wrong(format!(
-                "its format is {:?}, not {FORMAT:?}",
-                figures.format
-            )));
+            return Err(wrong(format!("its format is another than {FORMAT:?}")));
         }
         figures.tolerances.check().map_err(wrong)?;
         Ok(figures)

@@ -1,5 +1,6 @@
 //! The scene that a recording carries, as far as it is trusted.
 
+use palpate_proto::text::located;
 use palpate_sim::scene::spec::SceneSpec;
 use toml::{Table, Value};
 
@@ -9,12 +10,13 @@ use toml::{Table, Value};
 /// # Errors
 /// It does not parse, or names a file.
 pub(in crate::recording) fn recorded_spec(text: &str) -> Result<SceneSpec, String> {
-    let value: Value = toml::from_str(text).map_err(|e| e.to_string())?;
+    let wrong = |error: toml::de::Error| located(text, error.span(), error.message());
+    let value: Value = toml::from_str(text).map_err(wrong)?;
     match ["body", "tool"]
         .iter()
         .find_map(|key| named_file(value.get(key)?))
     {
-        None => toml::from_str(text).map_err(|e| e.to_string()),
+        None => toml::from_str(text).map_err(wrong),
         Some(file) => Err(format!(
             "it names the file {file:?}, and recordings carry all that their scene needs"
         )),

@@ -17,12 +17,12 @@ mod picture;
 pub(crate) use picture::{LOG, Pictures, ViewTopic, log, stamp_of};
 
 use super::channel::Topic;
+use super::container::Container;
 use super::message::Message;
 use palpate_proto::recording as pb;
 use palpate_sim::scene::Scene;
 use prost::Message as _;
-use std::collections::BTreeMap;
-use std::io::{Seek, Write};
+use std::io::{self, Write};
 
 /// Views of one file.
 #[derive(Clone)]
@@ -50,29 +50,21 @@ impl Views {
     }
 
     /// The same with its channels in a file.
-    pub fn declared<W: Write + Seek>(
-        mut self,
-        mcap: &mut mcap::Writer<W>,
-    ) -> mcap::McapResult<Self> {
+    pub fn declared<W: Write>(mut self, file: &mut Container<W>) -> Self {
         let channel = |view: &ViewTopic| {
-            let schema = mcap.add_schema(
-                view.schema,
-                "protobuf",
-                &pb::descriptors(view.schema).unwrap_or_default(),
-            )?;
-            mcap.add_channel(schema, &view.topic, "protobuf", &BTreeMap::new())
+            let descriptors = pb::descriptors(view.schema).unwrap_or_default();
+            file.channel(&view.topic, view.schema, &descriptors)
         };
-        let topics = self.pictures.topics();
-        self.channels = topics.iter().map(channel).collect::<Result<_, _>>()?;
-        Ok(self)
+        self.channels = self.pictures.topics().iter().map(channel).collect();
+        self
     }
 
     /// Takes a message of the session; what is to be shown goes to `put`, with its channel.
     pub fn show(
         &mut self,
         message: &Message,
-        mut put: impl FnMut(u16, &[u8]) -> mcap::McapResult<()>,
-    ) -> mcap::McapResult<()> {
+        mut put: impl FnMut(u16, &[u8]) -> io::Result<()>,
+    ) -> io::Result<()> {
         let channels = &self.channels;
         let mut put = |view: usize, data: &[u8]| put(channels[view], data);
         let stamp = stamp_of(message.tick.saturating_mul(self.dt_ns));

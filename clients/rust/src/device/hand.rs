@@ -4,6 +4,7 @@ use super::model::{DeviceError, check};
 use super::random::Random;
 use super::smooth::ramp;
 use super::v3;
+use palpate_proto::text::located;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
@@ -151,7 +152,7 @@ impl Hand {
     pub fn from_toml(text: &str, origin: &str) -> Result<Self, DeviceError> {
         let hand: Self = toml::from_str(text).map_err(|error| DeviceError::Toml {
             origin: origin.to_owned(),
-            reason: error.to_string(),
+            reason: located(text, error.span(), error.message()),
         })?;
         hand.checked().map_err(|error| error.at(origin))
     }

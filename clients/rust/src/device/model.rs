@@ -1,6 +1,7 @@
 //! What a haptic device is made of: the figures of its data sheet and of its identification.
 
 use palpate_proto::messages::DeviceInfo;
+use palpate_proto::text::located;
 use serde::{Deserialize, Serialize};
 
 /// A device as a point mass at its tip, alike in every direction.
@@ -176,7 +177,7 @@ impl DeviceModel {
     pub fn from_toml(text: &str, origin: &str) -> Result<Self, DeviceError> {
         let model: Self = toml::from_str(text).map_err(|error| DeviceError::Toml {
             origin: origin.to_owned(),
-            reason: error.to_string(),
+            reason: located(text, error.span(), error.message()),
         })?;
         model.checked().map_err(|error| error.at(origin))
     }

@@ -25,6 +25,7 @@ use super::path::{Interpolation, Path, Waypoint};
 use super::smooth::Flow;
 use super::target::Target;
 use palpate_proto::messages::SceneSnapshot;
+use palpate_proto::text::located;
 use serde::Deserialize;
 
 /// From one step to the next the hand goes over in this time, s.
@@ -214,7 +215,7 @@ fn parse(
 ) -> Result<Motion, MotionError> {
     let file: MotionFile = toml::from_str(text).map_err(|error| MotionError::Toml {
         origin: origin.to_owned(),
-        reason: error.to_string(),
+        reason: located(text, error.span(), error.message()),
     })?;
     match (file.waypoint.is_empty(), file.step.is_empty()) {
         (false, true) => Path::new(

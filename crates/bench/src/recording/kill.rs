@@ -40,7 +40,7 @@ pub(super) fn run(effort: Effort, out: &mut dyn FnMut(Figure)) -> anyhow::Result
         "ticks lost",
         worst as f64,
         "ms",
-        Some(Bar::AtMost(500.0)),
+        Some(Bar::AtMost(250.0)),
         note,
     ));
     let note = format!(

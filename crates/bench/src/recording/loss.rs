@@ -20,19 +20,20 @@ const STALL: Duration = Duration::from_secs(1);
 struct Stalling(Arc<AtomicU64>);
 
 struct StallingFile {
-    file: Box<dyn DiskFile>,
+    file: Box<dyn Write + Send>,
     stalls: Arc<AtomicU64>,
     last: Instant,
 }
 
 impl Disk for Stalling {
-    fn create(&self, path: &Path) -> io::Result<Box<dyn DiskFile>> {
-        let file = FileSystem.create(path)?;
-        Ok(Box::new(StallingFile {
-            file,
+    fn create(&self, path: &Path) -> io::Result<DiskFile> {
+        let DiskFile { bytes, sync } = FileSystem.create(path)?;
+        let bytes = Box::new(StallingFile {
+            file: bytes,
             stalls: self.0.clone(),
             last: Instant::now(),
-        }))
+        });
+        Ok(DiskFile { bytes, sync })
     }
 }
 
@@ -48,12 +49,6 @@ impl Write for StallingFile {
 
     fn flush(&mut self) -> io::Result<()> {
         self.file.flush()
-    }
-}
-
-impl DiskFile for StallingFile {
-    fn sync(&mut self) -> io::Result<()> {
-        self.file.sync()
     }
 }
 

@@ -1,10 +1,11 @@
 //! The recording suite: what keeping a session costs the tick, how large it is, what a disk that
-//! stands still and a daemon that is killed lose, and how fast a replay is.
+//! stands still or takes seconds for a sync and a daemon that is killed lose, and how fast a replay is.
 
 mod kill;
 mod long;
 mod loss;
 mod session;
+mod slow;
 mod tick;
 
 use super::figure::{Bar, Figure};
@@ -12,15 +13,17 @@ use super::{Effort, processes};
 use palpate::recording::{ReplayOptions, Session, replay_with};
 use processes::Files;
 use session::{RIGID, Simulated, TEARDROP};
+pub use slow::{RecorderOptions, record_until_killed};
 
 /// Runs the suite; `only` keeps the cases whose names contain it. Each figure is handed out as soon
 /// as it is measured. Gives the cases that could not be measured, with the reason.
 pub fn recording(effort: Effort, only: Option<&str>, out: &mut dyn FnMut(Figure)) -> Vec<String> {
-    let cases: [(&str, Run); 6] = [
+    let cases: [(&str, Run); 7] = [
         ("cost/tick", tick::run),
         ("size/teardrop", size),
         ("loss/stall", loss::run),
         ("kill/daemon", kill::run),
+        ("kill/sync", slow::run),
         ("replay/speed", speed),
         ("long", long::run),
     ];

@@ -84,7 +84,7 @@ pub enum MeshFileError {
         format: &'static str,
         /// What may stand there.
         wanted: &'static str,
-        /// What does, shortened.
+        /// What does: a kind, or a number.
         found: String,
     },
     /// A file that is too short to be one.
@@ -97,7 +97,7 @@ pub enum MeshFileError {
         line: usize,
         /// What may stand there.
         wanted: &'static str,
-        /// What does, shortened.
+        /// What the line is made of.
         found: String,
     },
 }
@@ -191,11 +191,37 @@ fn fan(corners: &[f64], count: usize, triangles: &mut Vec<[u32; 3]>) -> Result<(
 }
 
 fn wrong_line(line: usize, wanted: &'static str, text: &[u8]) -> MeshFileError {
-    let head = String::from_utf8_lossy(&text[..text.len().min(40)]);
     MeshFileError::Line {
         line,
         wanted,
-        found: format!("\"{}\"", head.escape_debug()),
+        found: described(text),
+    }
+}
+
+/// What a line is made of. It is not repeated: a scene of somebody else can name any file, and the
+/// message goes where that one can read it.
+fn described(line: &[u8]) -> String {
+    let separates = |byte: &u8| byte.is_ascii_whitespace() || matches!(byte, b',' | b';');
+    let fields = line.split(separates).filter(|field| !field.is_empty());
+    let is_number = |field: &&[u8]| super::number::parse(field).is_some_and(f64::is_finite);
+    let (numbers, words): (Vec<_>, Vec<_>) = fields.partition(is_number);
+    let counted = |count: usize, what: &str| match count {
+        0 => None,
+        1 => Some(format!("a {what}")),
+        _ => Some(format!("{count} {what}s")),
+    };
+    let parts = [
+        counted(words.len(), "word"),
+        counted(numbers.len(), "number"),
+    ];
+    match parts
+        .into_iter()
+        .flatten()
+        .collect::<Vec<_>>()
+        .join(" and ")
+    {
+        nothing if nothing.is_empty() => "an empty line".into(),
+        parts => parts,
     }
 }
 

@@ -86,7 +86,7 @@ pub enum FileError {
         path: String,
         /// What should stand there.
         wanted: &'static str,
-        /// What does, shortened.
+        /// What kind of value does.
         found: String,
     },
     /// A row with another number of columns than the first.
@@ -173,7 +173,10 @@ pub fn from_value(document: &Value) -> Result<Surface, FileError> {
         Some(Value::String(format)) if format == FORMAT => {}
         Some(other) => {
             return Err(FileError::Format {
-                found: shortened(other),
+                found: match other.as_str().filter(|text| text.starts_with("palpate.")) {
+                    Some(ours) => format!("{:?}", ours.chars().take(40).collect::<String>()),
+                    None => described(other),
+                },
             });
         }
         None => return Err(FileError::Missing("format")),
@@ -390,20 +393,20 @@ fn wrong(path: &str, wanted: &'static str, found: &Value) -> FileError {
     FileError::Type {
         path: path.to_owned(),
         wanted,
-        found: shortened(found),
+        found: described(found),
     }
 }
 
-fn shortened(value: &Value) -> String {
-    let text = match value {
-        Value::Array(values) if values.len() > 4 => return format!("a list of {}", values.len()),
-        Value::Object(_) => return "an object".to_owned(),
-        other => other.to_string(),
-    };
-    if text.chars().count() > 60 {
-        text.chars().take(60).chain("…".chars()).collect()
-    } else {
-        text
+/// What kind of value it is. It is not repeated: a scene of somebody else can name any file, and the
+/// message goes where that one can read it.
+fn described(value: &Value) -> String {
+    match value {
+        Value::Null => "null".into(),
+        Value::Bool(is) => is.to_string(),
+        Value::Number(_) => "a number".into(),
+        Value::String(_) => "a text".into(),
+        Value::Array(values) => format!("a list of {}", values.len()),
+        Value::Object(_) => "an object".into(),
     }
 }
 

@@ -48,6 +48,22 @@ pub struct Place {
     pub column: usize,
 }
 
+impl Place {
+    /// Where a byte of a text stands.
+    pub(super) fn of(file: &str, text: &str, start: usize) -> Self {
+        let before = &text.as_bytes()[..start.min(text.len())];
+        let line_start = before
+            .iter()
+            .rposition(|&b| b == b'\n')
+            .map_or(0, |k| k + 1);
+        Self {
+            file: file.to_owned(),
+            line: before.iter().filter(|&&b| b == b'\n').count() + 1,
+            column: before.len() - line_start + 1,
+        }
+    }
+}
+
 impl Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self {
@@ -298,6 +314,17 @@ fn spaced(unit: &str) -> String {
     } else {
         format!(" {unit}")
     }
+}
+
+/// What is wrong with TOML in a file that a scene names, and where. Its text is not repeated: a scene
+/// of somebody else can name any file, and the message goes where that one can read it.
+pub(super) fn words_of_another(text: &str, error: &toml::de::Error) -> String {
+    let Place { line, column, .. } = Place::of("", text, error.span().map_or(0, |span| span.start));
+    let message = match error.message().split_once(", expected ") {
+        Some((_, wanted)) => format!("expected {wanted}"),
+        None => error.message().to_owned(),
+    };
+    format!("line {line}, column {column}: {message}")
 }
 
 /// The name of a list nearest to one that is not in it.

@@ -57,7 +57,7 @@ pub fn parse(text: &str, name: &str, directory: &Path) -> Result<Loaded, SceneEr
     let at = |span: Option<Range<usize>>, reason: String| Problem {
         path: String::new(),
         reason,
-        place: Some(place(name, text, span.map_or(0, |span| span.start))),
+        place: Some(Place::of(name, text, span.map_or(0, |span| span.start))),
     };
     let (document, mistakes) = DeTable::parse_recoverable(text);
     if !mistakes.is_empty() {
@@ -144,7 +144,7 @@ impl Loaded {
         let spans = Spans::of(&self.text);
         for problem in &mut error.problems {
             let start = spans.start_of(&problem.path);
-            problem.place = Some(place(&self.name, &self.text, start));
+            problem.place = Some(Place::of(&self.name, &self.text, start));
         }
         in_order(&mut error.problems);
         error
@@ -154,19 +154,6 @@ impl Loaded {
 fn in_order(problems: &mut [Problem]) {
     let key = |problem: &Problem| problem.place.as_ref().map(|at| (at.line, at.column));
     problems.sort_by_key(key);
-}
-
-fn place(file: &str, text: &str, start: usize) -> Place {
-    let before = &text.as_bytes()[..start.min(text.len())];
-    let line_start = before
-        .iter()
-        .rposition(|&b| b == b'\n')
-        .map_or(0, |k| k + 1);
-    Place {
-        file: file.to_owned(),
-        line: before.iter().filter(|&&b| b == b'\n').count() + 1,
-        column: before.len() - line_start + 1,
-    }
 }
 
 /// Turns serde's "unknown field `x`, expected one of `a`, `b`" into a suggestion.

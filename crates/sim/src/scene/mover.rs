@@ -1,6 +1,6 @@
 //! What moves a rigid body: a script, a tool that carries it, commands, or forces.
 
-use super::door::At;
+use super::door::{At, words_of_another};
 use super::free::Free;
 use super::spec::{BodySpec, InterpolationSpec, MotionSpec, SceneSpec};
 use palpate_geometry::math::{Point3, Pose, Rotation, Vector3, rotation_by, turn_between};
@@ -147,7 +147,10 @@ fn from_file(motion: &MotionSpec, at: &At<'_>) -> Option<Option<MotionSpec>> {
     let full = at.directory().join(file);
     let named = |e: &dyn std::fmt::Display| format!("{}: {e}", full.display());
     let text = std::str::from_utf8(&bytes).map_err(|e| named(&e));
-    let read = text.and_then(|text| toml::from_str::<MotionSpec>(text).map_err(|e| named(&e)));
+    let read = text.and_then(|text| {
+        let read = toml::from_str::<MotionSpec>(text);
+        read.map_err(|error| named(&words_of_another(text, &error)))
+    });
     let read = at.key("file").take(read)?;
     if read.file.is_some() {
         return at.key("file").refused(format!(

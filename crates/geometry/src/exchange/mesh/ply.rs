@@ -102,9 +102,7 @@ impl Values<'_> {
             return number::parse(word).ok_or_else(|| MeshFileError::Value {
                 format: "PLY",
                 wanted: "a number",
-                found: String::from_utf8_lossy(&word[..word.len().min(40)])
-                    .escape_debug()
-                    .to_string(),
+                found: "a word".into(),
             });
         }
         let (head, rest) = self
