@@ -297,8 +297,8 @@ impl BusThread {
         let newcomer = self.view.take_newcomer();
         self.nets
             .publish(&self.served.scene, newcomer, &mut self.view);
-        if let Some((body, length_m)) = self.nets.take_burst() {
-            self.stop_burst(body, length_m);
+        if self.tally.take_apart() {
+            self.stop_apart();
         }
         self.show_forces(newcomer);
         let begun = Instant::now();
@@ -381,15 +381,11 @@ impl BusThread {
         }
     }
 
-    /// A body has come apart: what it pushes with is no force of a material. The loop pauses, which
-    /// fades all forces, until somebody resets it.
-    fn stop_burst(&mut self, body: usize, length_m: f64) {
-        let reason = format!(
-            "body {:?} has come apart: it is {length_m:.2} m long; the loop is paused, `reset` and `resume` begin anew",
-            self.served.scene.body_id(body)
-        );
-        tracing::error!(reason);
-        self.events.tell(EventKind::Fault { reason });
+    /// A body has come apart, and would do so again: the loop pauses, which fades all forces, until somebody
+    /// changes what did it.
+    fn stop_apart(&mut self) {
+        let advice = "the loop is paused; `reset` and `resume` begin anew";
+        tracing::error!(advice, "a body has come apart");
         if self.rpc.pause(&mut self.link, &mut self.events).is_err() {
             tracing::error!("too many commands are waiting: the loop was not paused");
         }
@@ -505,9 +501,6 @@ impl BusThread {
                 }
             }
             Inbox::Rpc(method, query) => {
-                if method == "reset" {
-                    self.nets.forget_burst();
-                }
                 let parties = Parties {
                     link: &mut self.link,
                     events: &mut self.events,
@@ -542,6 +535,7 @@ impl BusThread {
             "methods": METHODS,
             "played": self.rpc.plays(),
             "open": self.served.open,
+            "warnings": scene.warnings().iter().map(|finding| &finding.what).collect::<Vec<_>>(),
             "recorder": self.tally.status().recorder,
             "viewer": self.served.viewer_url,
         })
