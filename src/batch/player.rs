@@ -110,7 +110,15 @@ impl<'p> Player<'p> {
         }
         let begun = Instant::now();
         let loaded = &prepared.loaded;
-        let build = || loaded.build().map(Arc::new).map_err(|e| e.to_string());
+        let sample = case.sample;
+        let build = || {
+            let scene = loaded.build_to_run().map_err(|e| e.to_string())?;
+            // What is found about one sample holds for most.
+            for finding in scene.warnings().iter().filter(|_| sample == 0) {
+                tracing::warn!(sample, "{}", loaded.told(finding));
+            }
+            Ok(Arc::new(scene))
+        };
         let scene = match prepared.built.get_or_insert_with(build) {
             Ok(scene) => scene.clone(),
             Err(error) => return (Outcome::failed(error.clone(), key), false),
@@ -335,7 +343,7 @@ fn play(scene: &Scene, mut hands: Hands, for_s: f64) -> Outcome {
     if outcome.faults > 0 {
         let n = outcome.faults;
         outcome.error = Some(format!(
-            "{n} ticks had a fault: a body was set back to rest"
+            "{n} ticks had a fault: a body came apart or was not finite, and was set back to rest"
         ));
     }
     outcome

@@ -22,7 +22,6 @@ mod ls;
 mod man;
 mod numbers;
 mod page;
-mod places;
 mod plan;
 mod play;
 mod pressing;

@@ -45,10 +45,16 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         };
         stage.measured_us = Some(measured);
     }
+    let findings = scene.findings();
     if args.json {
-        println!("{}", serde_json::to_string(&plan)?);
+        let mut plan = serde_json::to_value(&plan)?;
+        plan["warnings"] = serde_json::to_value(&findings)?;
+        println!("{plan}");
     } else {
         print!("{plan}");
+        for finding in &findings {
+            println!("  note {}", loaded.told(finding));
+        }
     }
     let tools = scene.tool_count();
     if touching < tools {

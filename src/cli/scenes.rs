@@ -3,6 +3,7 @@
 use super::Outcome;
 use crate::scenario::SCENES as BUILTIN;
 use anyhow::Context as _;
+use palpate_sim::scene::Scene;
 use palpate_sim::scene::file::{self, Loaded};
 use std::path::{Path, PathBuf};
 
@@ -21,6 +22,13 @@ pub fn load(scene: &Path) -> anyhow::Result<Loaded> {
             Path::new("."),
         )?),
         None => Ok(file::load(scene)?),
+    }
+}
+
+/// Says what was found about a scene that is about to run.
+pub fn warn(loaded: &Loaded, scene: &Scene) {
+    for finding in scene.warnings() {
+        tracing::warn!("{}", loaded.told(finding));
     }
 }
 

@@ -253,9 +253,9 @@ pub fn serve(
     let unread = |error| loaded.build().err().unwrap_or_else(|| loaded.locate(error));
     let mut effective = inline_files(&loaded.spec, &loaded.directory).map_err(unread)?;
     effective.record.views &= !common.recording.no_views;
-    let scene = Arc::new(
-        Scene::build(&effective, &loaded.directory).map_err(|error| loaded.locate(error))?,
-    );
+    let scene = Scene::build_to_run(&effective, &loaded.directory);
+    let scene = Arc::new(scene.map_err(|error| loaded.locate(error))?);
+    super::scenes::warn(loaded, &scene);
     let ros2 = common
         .ros2
         .then(|| Plan::of(&effective).map_err(|error| loaded.locate(error)))

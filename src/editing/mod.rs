@@ -140,7 +140,18 @@ fn carry_out(job: &EditJob, changes: &SceneChanges) -> Result<EditNews, String> 
     let Some(change) = change else {
         return Ok(EditNews::Nothing { id: *id, report });
     };
-    let next = Arc::new(Scene::build(&change.spec, Path::new("")).map_err(|e| e.to_string())?);
+    let next = Scene::build_to_run(&change.spec, Path::new("")).map_err(|e| e.to_string())?;
+    let found: Vec<&str> = next
+        .warnings()
+        .iter()
+        .map(|finding| finding.what.as_str())
+        .collect();
+    let mut report = report;
+    if !found.is_empty() {
+        tracing::warn!(?found, "about the next scene");
+        report["warnings"] = found.into();
+    }
+    let next = Arc::new(next);
     if !change.fits(scene, &next) {
         return Err(
             "a body that stays would be built otherwise in the next scene; nothing was changed"

@@ -159,6 +159,7 @@ pub fn tick_to_proto(record: &TickRecord, tool_count: usize) -> pb::Tick {
         fault: match output.fault {
             None => 0,
             Some(TickFault::NotFinite) => 1,
+            Some(TickFault::CameApart { body }) => body.saturating_add(2),
         },
         moving: output.moving,
         quality: u32::from(output.quality),
@@ -197,7 +198,7 @@ pub fn tick_from_proto(tick: &pb::Tick) -> Result<TickRecord, ConvertError> {
     output.fault = match tick.fault {
         0 => None,
         1 => Some(TickFault::NotFinite),
-        other => return Err(wrong(format!("unknown fault {other}"))),
+        more => Some(TickFault::CameApart { body: more - 2 }),
     };
     output.quality = level(number, tick.quality)?;
     for (t, tool) in tick.tools.iter().enumerate() {

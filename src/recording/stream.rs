@@ -264,12 +264,9 @@ impl TickStream {
         self.stages.add(&head.stage_ns);
         self.late += u64::from(head.late_ns > LATE_NS);
         self.skipped += u64::from(head.skipped);
-        if head.fault.is_some() {
-            take(Message::event(
-                head.tick,
-                "fault",
-                "a state was not finite; the body was set back to rest",
-            ));
+        if let Some(fault) = head.fault {
+            let said = fault.said(|body| format!("{body} (from 0)"));
+            take(Message::event(head.tick, "fault", &said));
         }
         if head.tick.is_multiple_of(100) {
             take(self.stats());

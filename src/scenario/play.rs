@@ -82,7 +82,10 @@ fn scene_of(run: &RunSpec, source: &Source) -> Result<(file::Loaded, Scene), Sce
     };
     let mut loaded = file::parse(&text, "scene.toml", Path::new(".")).map_err(at)?;
     loaded.spec.loop_.clock = Clock::Lockstep;
-    let scene = loaded.build().map_err(at)?;
+    let scene = loaded.build_to_run().map_err(at)?;
+    for finding in scene.warnings() {
+        tracing::warn!(run = run.name, "{}", loaded.told(finding));
+    }
     Ok((loaded, scene))
 }
 
@@ -292,7 +295,7 @@ impl Loop {
         match played.faults {
             0 => Ok(()),
             n => Err(format!(
-                "{n} ticks had a fault: a body was set back to rest"
+                "{n} ticks had a fault: a body came apart or was not finite, and was set back to rest"
             )),
         }
     }

@@ -311,8 +311,8 @@ impl BusThread {
         let newcomer = self.view.take_newcomer();
         self.nets
             .publish(&self.served.scene, newcomer, &mut self.view);
-        if let Some((body, length_m)) = self.nets.take_burst() {
-            self.stop_burst(body, length_m);
+        if self.tally.take_apart() {
+            self.stop_apart();
         }
         self.show_forces(newcomer);
         self.take_notices();
@@ -393,15 +393,11 @@ impl BusThread {
         }
     }
 
-    /// A body has come apart: what it pushes with is no force of a material. The loop pauses, which
-    /// fades all forces, until somebody resets it.
-    fn stop_burst(&mut self, body: usize, length_m: f64) {
-        let reason = format!(
-            "body {:?} has come apart: it is {length_m:.2} m long; the loop is paused, `reset` and `resume` begin anew",
-            self.served.scene.body_id(body)
-        );
-        tracing::error!(reason);
-        self.events.tell(EventKind::Fault { reason });
+    /// A body has come apart, and would do so again: the loop pauses, which fades all forces, until somebody
+    /// changes what did it.
+    fn stop_apart(&mut self) {
+        let advice = "the loop is paused; `reset` and `resume` begin anew";
+        tracing::error!(advice, "a body has come apart");
         if self.rpc.pause(&mut self.link, &mut self.events).is_err() {
             tracing::error!("too many commands are waiting: the loop was not paused");
         }
@@ -471,9 +467,6 @@ impl BusThread {
     /// Takes the commands that have come in.
     fn take_commands(&mut self) {
         while let Ok((method, asked)) = self.requests.commands.try_recv() {
-            if method == "reset" {
-                self.nets.forget_burst();
-            }
             let scene = &self.served.scene;
             let parties = Parties {
                 link: &mut self.link,
@@ -587,6 +580,7 @@ impl BusThread {
             "lockstep": scene.clock == Clock::Lockstep,
             "played": self.rpc.plays(),
             "open": self.served.open,
+            "warnings": scene.warnings().iter().map(|finding| &finding.what).collect::<Vec<_>>(),
             "recorder": self.tally.status().recorder,
             "viewer": self.served.viewer_url,
         })

@@ -8,7 +8,6 @@ use super::view::View;
 use crate::drive::ports::{NetEnd, NetFrame};
 use crate::wire;
 use palpate_client::publisher;
-use palpate_geometry::math::Point3;
 use palpate_proto::codec::encode;
 use palpate_proto::keys::Keys;
 use palpate_proto::messages::ControlNet;
@@ -21,25 +20,6 @@ use zenoh::matching::MatchingListener;
 
 /// Nets that do not change are published this often.
 const NET_REFRESH: Duration = Duration::from_secs(1);
-
-/// A body this many times longer than at rest has come apart: no material of ours is stretched so far.
-const BURST: f64 = 20.0;
-
-fn sizes_m(scene: &Scene) -> Vec<f64> {
-    (0..scene.body_count())
-        .map(|body| scene.rest_surface(body).size())
-        .collect()
-}
-
-/// The diagonal of the points' box, m, if it is longer than this.
-fn longer_than(points: &[Point3], most_m: f64) -> Option<f64> {
-    let first = points.first()?;
-    let (low, high) = points
-        .iter()
-        .fold((*first, *first), |(low, high), p| (low.inf(p), high.sup(p)));
-    let length_m = (high - low).norm();
-    (length_m > most_m).then_some(length_m)
-}
 
 /// The newest nets by body, and what is declared for them.
 pub(super) struct Nets {
@@ -56,11 +36,6 @@ pub(super) struct Nets {
     last_refresh: Instant,
     /// The bodies are others than those that pages have.
     others: bool,
-    /// By body: how long it is at rest, m.
-    sizes_m: Vec<f64>,
-    /// A body that is much longer than it was, and how long, m. Told once.
-    burst: Option<(usize, f64)>,
-    told_burst: bool,
 }
 
 /// Where the nets of a body go.
@@ -114,9 +89,6 @@ impl Nets {
             post,
             last_refresh: Instant::now(),
             others: false,
-            sizes_m: sizes_m(scene),
-            burst: None,
-            told_burst: false,
         };
         nets.declare(session, keys, scene)?;
         Ok(nets)
@@ -134,7 +106,6 @@ impl Nets {
         self.frames = vec![None; ends.len()];
         self.last = vec![None; ends.len()];
         self.ends = ends;
-        self.sizes_m = sizes_m(scene);
         self.others = true;
         if let Err(error) = self.declare(session, keys, scene) {
             tracing::error!(%error, "the bodies of the next scene");
@@ -177,11 +148,6 @@ impl Nets {
         for body in 0..self.newest.len() {
             let fresh = self.ends[body].newest();
             let changed = fresh.is_some();
-            if let Some(frame) = &fresh
-                && let Some(length_m) = longer_than(&frame.points, BURST * self.sizes_m[body])
-            {
-                self.burst.get_or_insert((body, length_m));
-            }
             if fresh.is_some() {
                 self.last[body].clone_from(&fresh);
             }
@@ -235,18 +201,6 @@ impl Nets {
             let (tick, revision) = (frame.tick, frame.revision);
             self.newest[body] = wire::control_net(scene, body, tick, revision, &frame.points);
         }
-    }
-
-    /// A body that has come apart, and how long it is, m; once.
-    pub(super) fn take_burst(&mut self) -> Option<(usize, f64)> {
-        let burst = self.burst.take().filter(|_| !self.told_burst);
-        self.told_burst |= burst.is_some();
-        burst
-    }
-
-    /// The scene begins anew.
-    pub(super) fn forget_burst(&mut self) {
-        (self.burst, self.told_burst) = (None, false);
     }
 
     /// By body.

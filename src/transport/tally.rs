@@ -14,7 +14,7 @@ use palpate_proto::keys::Keys;
 use palpate_proto::messages::{EventKind, LoopState, LoopStatus, RecorderState, ToolLink};
 use palpate_sim::scene::Scene;
 use palpate_sim::tick::flags;
-use palpate_sim::tick::record::{TickOutput, TickRecord, ToolOutput};
+use palpate_sim::tick::record::{TickFault, TickOutput, TickRecord, ToolOutput};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
@@ -71,6 +71,9 @@ pub(super) struct LoopTally {
     last_overruns: Instant,
     /// The tick then.
     overruns_tick: u64,
+    /// A body has come apart since the loop last stood still, and the bus does not know.
+    apart: bool,
+    apart_news: bool,
 }
 
 impl LoopTally {
@@ -111,6 +114,8 @@ impl LoopTally {
             overruns: [0; CAUSES.len()],
             last_overruns: Instant::now(),
             overruns_tick: 0,
+            apart: false,
+            apart_news: false,
         })
     }
 
@@ -158,13 +163,32 @@ impl LoopTally {
         }
         self.tell_quality(record.output.quality, events);
         let faulty = record.output.fault.is_some();
-        if faulty && !self.faulty {
-            events.tell(EventKind::Fault {
-                reason: "a force or a state was not finite; the force was made zero, a body set back to rest"
-                    .into(),
-            });
+        if let Some(fault) = record.output.fault {
+            let id = |body: usize| match body < scene.body_count() {
+                true => scene.body_id(body).to_owned(),
+                false => body.to_string(),
+            };
+            let mut reason = fault.said(id);
+            let apart = matches!(fault, TickFault::CameApart { .. });
+            if apart {
+                reason += "; the loop is paused, `reset` and `resume` begin anew";
+            }
+            // Once for each time that it begins, or that the loop is stopped for it.
+            let begins = if apart { !self.apart } else { !self.faulty };
+            if begins {
+                events.tell(EventKind::Fault { reason });
+            }
+            self.apart_news |= apart && !self.apart;
+            self.apart |= apart;
+        } else if !record.output.moving {
+            self.apart = false;
         }
         self.faulty = faulty;
+    }
+
+    /// True once for each time that a body comes apart in a loop that runs.
+    pub(super) fn take_apart(&mut self) -> bool {
+        std::mem::take(&mut self.apart_news)
     }
 
     /// The level of quality, when it is another than in the last record.

@@ -31,6 +31,10 @@ class SceneError(PalpateError, ValueError):
     problems: "list[Problem]" = []
 
 
+class SceneWarning(UserWarning):
+    """A scene with a value that is hardly meant, or that comes out less exact than its numbers suggest."""
+
+
 class SurfaceError(PalpateError, ValueError):
     """A surface, curve or surface file that cannot be used, or an operation that has no answer."""
 

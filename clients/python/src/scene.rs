@@ -9,7 +9,7 @@ use crate::values::{python, toml_value};
 use palpate_proto::messages::ToolPose;
 use palpate_sim::scene::file::{self, Loaded};
 use palpate_sim::scene::spec::Clock;
-use palpate_sim::scene::{self, inline_files};
+use palpate_sim::scene::{self, Finding, inline_files};
 use pyo3::exceptions::{PyKeyError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString, PyTuple};
@@ -25,6 +25,8 @@ pub struct Built {
     pub text: String,
     /// The file with surfaces and meshes written out: what others build from.
     pub effective: String,
+    /// What was found about it, with places.
+    pub warnings: Vec<String>,
 }
 
 impl Built {
@@ -42,8 +44,13 @@ impl Built {
                 .map_or_else(|| refuse(error), |all| scene_error(&all, shown))
         };
         let effective = inline_files(&loaded.spec, &loaded.directory).map_err(unread)?;
-        let scene = scene::Scene::build(&effective, &loaded.directory).map_err(refuse)?;
+        let scene = scene::Scene::build_to_run(&effective, &loaded.directory).map_err(refuse)?;
+        let told = |finding: &Finding| match dictionary {
+            true => format!("{}: {finding}", finding.path),
+            false => loaded.told(finding),
+        };
         Ok(Self {
+            warnings: scene.warnings().iter().map(told).collect(),
             scene: Arc::new(scene),
             text: loaded.text.clone(),
             effective: toml::to_string(&effective).map_err(internal)?,
@@ -133,7 +140,7 @@ impl Scene {
     fn new(py: Python<'_>, scene: &Bound<'_, PyAny>, directory: Option<PathBuf>) -> PyResult<Self> {
         let directory = directory.unwrap_or_else(|| PathBuf::from("."));
         if let Ok(text) = scene.cast::<PyString>() {
-            return Self::parsed(py, text.to_string(), "scene", directory, false);
+            return Self::parsed(py, text.to_string(), "scene", directory, false)?.warned(py);
         }
         if !scene.is_instance_of::<PyDict>() {
             let kind = scene.get_type().name()?;
@@ -142,7 +149,7 @@ impl Scene {
             )));
         }
         let text = toml::to_string(&toml_value(scene, "")?).map_err(internal)?;
-        Self::parsed(py, text, "scene", directory, true)
+        Self::parsed(py, text, "scene", directory, true)?.warned(py)
     }
 
     /// Reads and builds a scene file.
@@ -156,12 +163,13 @@ impl Scene {
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         std::fs::metadata(&path).map_err(|error| os_error(&path, &error))?;
-        py.detach(|| {
+        let scene = py.detach(|| {
             let loaded = file::load(&path).map_err(|error| scene_error(&error, None))?;
             Built::of(&loaded, false).map(|built| Self {
                 built: Arc::new(built),
             })
-        })
+        });
+        scene?.warned(py)
     }
 
     #[staticmethod]
@@ -172,6 +180,7 @@ impl Scene {
             scene: scene.built.scene.clone(),
             effective: scene.built.effective.clone(),
             text,
+            warnings: scene.built.warnings.clone(),
         };
         Ok(Self {
             built: Arc::new(built),
@@ -196,7 +205,7 @@ impl Scene {
             set_value(&mut document, &path, toml_value(&value, &path)?)?;
         }
         let text = toml::to_string(&document).map_err(internal)?;
-        Self::parsed(py, text, &self.built.scene.name, PathBuf::from("."), true)
+        Self::parsed(py, text, &self.built.scene.name, PathBuf::from("."), true)?.warned(py)
     }
 
     /// A simulation at the scene's start.
@@ -246,6 +255,13 @@ impl Scene {
         &self.built.effective
     }
 
+    /// What was found about the scene: values that are hardly meant, and what comes out less exact than its numbers suggest
+    /// (`palpate check`). Each was also a `palpate.SceneWarning` when the scene was made.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.built.warnings.clone()
+    }
+
     /// Where a tool is at the start.
     fn start(&self, tool: &str) -> PyResult<Pose> {
         let inner = self.built.start(self.built.tool(tool)?);
@@ -284,6 +300,16 @@ impl Scene {
 }
 
 impl Scene {
+    /// The scene, once Python's own warnings have said what was found about it.
+    fn warned(self, py: Python<'_>) -> PyResult<Self> {
+        let category = py.import("palpate.errors")?.getattr("SceneWarning")?;
+        for warning in &self.built.warnings {
+            py.import("warnings")?
+                .call_method1("warn", (warning, &category, 1))?;
+        }
+        Ok(self)
+    }
+
     fn parsed(
         py: Python<'_>,
         text: String,

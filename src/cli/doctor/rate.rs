@@ -71,7 +71,7 @@ pub(super) struct Pressing {
 
 impl Pressing {
     pub(super) fn new(loaded: &file::Loaded) -> anyhow::Result<Self> {
-        let scene = Arc::new(loaded.build()?);
+        let scene = Arc::new(loaded.build_to_run()?);
         let nets = wire::all_nets(&scene, &scene.initial_state());
         let snapshot = wire::scene_snapshot(&scene, loaded.sha256, &nets, &TickOutput::default());
         let motion = |tool| Motion::named("press", &snapshot, scene.tool_id(tool), DEPTH_M).ok();

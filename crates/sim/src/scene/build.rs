@@ -66,6 +66,10 @@ pub fn inline_files(spec: &SceneSpec, directory: &Path) -> Result<SceneSpec, Sce
     for (b, body) in inlined.bodies.iter_mut().enumerate() {
         let at = top.key("body").entry(b);
         let _ = body.surface.inline_file(&at.key("surface"));
+        if body.model.model().deforms() {
+            // Written out: a later build may choose another number.
+            body.lattice.layers = Some(body.layers());
+        }
         if let Some(motion) = &mut body.motion {
             let _ = mover::inline_file(motion, &at.key("motion"));
         }
@@ -106,6 +110,7 @@ fn scene(spec: &SceneSpec, top: &At<'_>) -> Option<Scene> {
         tools,
         pairs,
         frame,
+        warnings: Vec::new(),
     })
 }
 

@@ -3,9 +3,9 @@
 
 mod spans;
 
-use super::Scene;
 use super::door::{Place, Problem, SceneError, nearest};
 use super::spec::SceneSpec;
+use super::{Finding, Scene};
 use serde::Deserialize as _;
 use spans::Spans;
 use std::ops::Range;
@@ -136,6 +136,21 @@ impl Loaded {
     /// Everything that is wrong with it, each problem with its line, in order of lines.
     pub fn build(&self) -> Result<Scene, SceneError> {
         Scene::build(&self.spec, &self.directory).map_err(|error| self.locate(error))
+    }
+
+    /// As [`Loaded::build`], for a scene that is to run: [`Scene::build_to_run`].
+    ///
+    /// # Errors
+    /// Everything that is wrong with it, each problem with its line, in order of lines.
+    pub fn build_to_run(&self) -> Result<Scene, SceneError> {
+        Scene::build_to_run(&self.spec, &self.directory).map_err(|error| self.locate(error))
+    }
+
+    /// A finding about the scene, with its line.
+    pub fn told(&self, finding: &Finding) -> String {
+        let start = Spans::of(&self.text).start_of(&finding.path);
+        let Place { file, line, column } = place(&self.name, &self.text, start);
+        format!("{file}:{line}:{column}: {finding}")
     }
 
     /// Looks up where this file says what is wrong with the scene; problems whose key the file does

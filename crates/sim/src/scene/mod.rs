@@ -8,6 +8,7 @@ mod build;
 mod change;
 mod door;
 pub mod file;
+mod findings;
 mod free;
 mod layout;
 mod mass;
@@ -26,6 +27,7 @@ pub use build::inline_files;
 use build::samples_per_span;
 pub use change::{Origin, SceneChange};
 pub use door::{Place, Problem, SceneError};
+pub use findings::{Finding, FindingKind};
 pub(crate) use free::Free;
 pub(crate) use mass::Mass;
 pub(crate) use mover::{MovedBy, Mover, SPEED_MAX_M_S, TURNING_MAX_RAD_S, between, smooth};
@@ -59,6 +61,7 @@ pub struct Scene {
     pub(crate) pairs: Vec<Pair>,
     /// The tool that carries the bodies.
     pub(crate) frame: Option<FrameOf>,
+    warnings: Vec<Finding>,
 }
 
 /// Which tool carries the bodies.

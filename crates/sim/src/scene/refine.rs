@@ -296,7 +296,7 @@ fn alike(joints: Option<&Joints>, spans: &[Vec<Span>; 2], [d, k]: [usize; 2]) ->
 fn node_count(spec: &BodySpec, surface: &Surface) -> impl Fn([usize; 2]) -> usize {
     let topology = surface.topology();
     let shape = layout(surface, &topology);
-    let layers = spec.lattice.layers;
+    let layers = spec.layers();
     // What a branching surface draws twice costs once.
     let share = match surface.joints() {
         Some(_) => {

@@ -45,4 +45,5 @@ pub use late::late_step;
 pub use rigid::{Course, RigidState, Sent};
 pub use scratch::{BodyScratch, Scratch};
 pub use state::{BodyState, PairState, Pipeline, RunState, SceneState, ToolState, WarmRow};
+pub(crate) use step::depths_at_start;
 pub use step::{apply, deform, hash, render, restore, step, step_into};

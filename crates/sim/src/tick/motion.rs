@@ -4,10 +4,13 @@
 //! ticks later, on whatever thread it was done. In between its surface stands still and answers
 //! with its compliance. A step that is [late](super::late) may be put off, by a tick each time.
 
+use super::record::TickFault;
 use super::scratch::{DeformingScratch, Scratch};
 use super::state::{BodyState, Pipeline, SceneState};
-use crate::body::Field;
+use crate::body::{DeformableState, Field};
 use crate::scene::{BodyModel, DeformingBody, Scene};
+use palpate_geometry::math::Point3;
+use palpate_geometry::surface::Surface;
 
 /// What a tick did to a body.
 enum Stepped {
@@ -17,10 +20,13 @@ enum Stepped {
     Done { predicted: bool },
 }
 
-/// Moves every body; false if one had to be set back to rest because its state was not
-/// finite.
-pub(super) fn advance(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) -> bool {
-    let mut sound = super::rigid::advance(scene, state, scratch);
+/// Moves every body, and gives the last fault for which one had to be set back to rest.
+pub(super) fn advance(
+    scene: &Scene,
+    state: &mut SceneState,
+    scratch: &mut Scratch,
+) -> Option<TickFault> {
+    let mut fault = super::rigid::advance(scene, state, scratch);
     scene.follow_frame(state);
     let field = scene.field(state);
     for (b, body) in scene.bodies.iter().enumerate() {
@@ -47,30 +53,41 @@ pub(super) fn advance(scene: &Scene, state: &mut SceneState, scratch: &mut Scrat
         };
         // A sum is finite only if every part is.
         let sum: f64 = deformable.positions.iter().map(|p| p.x + p.y + p.z).sum();
-        let finite = sum.is_finite();
-        if !finite {
+        let mut unsound = (!sum.is_finite()).then_some(TickFault::NotFinite);
+        if unsound.is_some() {
             model.deformable.set_to_rest(deformable);
-            sound = false;
         }
         let surface = &scratch.bodies[b].surface;
-        let mut moved_squared: f64 = 0.0;
-        for (control, old) in surface.net().points().iter().enumerate() {
-            let step = (deformable.positions[model.deformable.coordinate_of_control(control)]
-                - old)
-                .norm_squared();
-            moved_squared = if step > moved_squared {
-                step
-            } else {
-                moved_squared
-            };
+        let (mut moved_squared, reach) = moved(model, deformable, surface);
+        let most_m = TickFault::MOST_SPEED_M_S * model.deformable.dt_s();
+        if unsound.is_none()
+            && (moved_squared > most_m * most_m || reach > TickFault::MOST_STRETCHED * body.size_m)
+        {
+            unsound = Some(TickFault::CameApart { body: b as u32 });
+            model.deformable.set_to_rest(deformable);
+            moved_squared = moved(model, deformable, surface).0;
         }
         body_state.moved_m = moved_squared.sqrt();
         if moved_squared > 0.0 {
             body_state.revision += 1;
         }
-        scene.prepare_body(b, state, scratch, predicted && finite);
+        scene.prepare_body(b, state, scratch, predicted && unsound.is_none());
+        fault = unsound.or(fault);
     }
-    sound
+    fault
+}
+
+/// Of a body's control points: the square of how far the farthest has moved, m², and the diagonal of their box, m.
+fn moved(model: &DeformingBody, state: &DeformableState, surface: &Surface) -> (f64, f64) {
+    let mut most: f64 = 0.0;
+    let (mut low, mut high) = (Point3::from([f64::MAX; 3]), Point3::from([f64::MIN; 3]));
+    for (control, old) in surface.net().points().iter().enumerate() {
+        let now = &state.positions[model.deformable.coordinate_of_control(control)];
+        let step = (now - old).norm_squared();
+        most = if step > most { step } else { most };
+        (low, high) = (low.inf(now), high.sup(now));
+    }
+    (most, (high - low).norm())
 }
 
 /// A tick in which bodies do not move: what pressed them is forgotten.

@@ -223,6 +223,32 @@ impl Default for ToolOutput {
 pub enum TickFault {
     /// A force or a state was not finite; the body was set back to rest.
     NotFinite,
+    /// A body was no body of a material any more, and was set back to rest: [`TickFault::MOST_STRETCHED`] times
+    /// as long as at rest, or faster than [`TickFault::MOST_SPEED_M_S`].
+    CameApart {
+        /// Its index.
+        body: u32,
+    },
+}
+
+impl TickFault {
+    /// A body this many times longer than at rest has come apart: no material of ours is stretched so far.
+    pub const MOST_STRETCHED: f64 = 20.0;
+    /// Nor does a body that a hand meets go so fast, m/s: a body that falls freely does after 50 km.
+    pub const MOST_SPEED_M_S: f64 = 1_000.0;
+
+    /// What went wrong, for people; `body` is what to call the body of that index.
+    pub fn said(self, body: impl FnOnce(usize) -> String) -> String {
+        let (stretched, speed) = (Self::MOST_STRETCHED, Self::MOST_SPEED_M_S);
+        match self {
+            Self::NotFinite => "a state was not finite; the body was set back to rest".to_owned(),
+            Self::CameApart { body: index } => format!(
+                "body {} has come apart ({stretched} times as long as at rest, or faster than {speed} m/s) and was set back to \
+                 rest: its contacts or materials are beyond what the solver holds",
+                body(index as usize)
+            ),
+        }
+    }
 }
 
 /// What comes out of a tick.

@@ -9,6 +9,7 @@
 //! friction drags what lies on them along.
 
 use super::flight::{Flight, Gives, load_on};
+use super::record::TickFault;
 use super::scratch::{BodyScratch, Scratch, box_of};
 use super::state::{BodyState, SceneState};
 use crate::haptics::LinkPhase;
@@ -219,15 +220,21 @@ impl RigidState {
         }
     }
 
-    /// All of it is a number.
-    fn is_finite(&self) -> bool {
-        let moves = self.flight().is_none_or(|flight| {
-            (flight.velocity_m_s + flight.momentum)
+    /// What is wrong with a free body in this state, if anything: not all of it is a number, or it is faster than a
+    /// body can be.
+    fn unsound(&self, body: usize) -> Option<TickFault> {
+        let (mut moves, mut fast) = (true, false);
+        if let Some(flight) = self.flight() {
+            moves = (flight.velocity_m_s + flight.momentum)
                 .iter()
-                .all(|x| x.is_finite())
-        });
+                .all(|x| x.is_finite());
+            fast = flight.velocity_m_s.norm() > TickFault::MOST_SPEED_M_S;
+        }
         let placed = self.position.iter().chain(self.rotation.as_vector().iter());
-        moves && placed.into_iter().all(|x| x.is_finite())
+        if !(moves && placed.into_iter().all(|x| x.is_finite())) {
+            return Some(TickFault::NotFinite);
+        }
+        fast.then_some(TickFault::CameApart { body: body as u32 })
     }
 
     /// As near to a placement as the speed of a body allows in a tick: a device that appears far off
@@ -395,10 +402,14 @@ fn place(
     most.sqrt()
 }
 
-/// Each body is where it was going, or where contact let it go; false if one had to be set back to its
-/// start, because that was not finite.
-pub(super) fn advance(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) -> bool {
-    let mut sound = true;
+/// Each body is where it was going, or where contact let it go; the last fault for which one had to be set back to
+/// its start.
+pub(super) fn advance(
+    scene: &Scene,
+    state: &mut SceneState,
+    scratch: &mut Scratch,
+) -> Option<TickFault> {
+    let mut fault = None;
     for (b, body) in scene.bodies.iter().enumerate() {
         let load = scratch.bodies[b]
             .gives()
@@ -424,10 +435,10 @@ pub(super) fn advance(scene: &Scene, state: &mut SceneState, scratch: &mut Scrat
         };
         if let Some(load) = load {
             rigid.next = now.pushed(mover, scene, load);
-            if !rigid.next.is_finite() {
+            if let Some(unsound) = rigid.next.unsound(b) {
                 rigid.next = RigidState::start(mover);
                 rigid.next.course = Course::Free(Flight::default());
-                sound = false;
+                fault = Some(unsound);
             }
             let (rest, current) = (body.surface.net().points(), surface.net().points());
             step.most_m = place(&rigid.next, mover, rest, current, &mut rigid.net);
@@ -441,7 +452,7 @@ pub(super) fn advance(scene: &Scene, state: &mut SceneState, scratch: &mut Scrat
         }
         *step = RigidStep::NONE;
     }
-    sound
+    fault
 }
 
 /// Brings a body's buffers in line with its state.

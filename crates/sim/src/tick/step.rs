@@ -1,7 +1,7 @@
 //! One tick: pure, no clock, no I/O, no allocation, no lock, no error.
 
-use super::record::{Command, TickFault, TickInput, TickOutput};
-use super::{RunState, SceneState, Scratch, flags, quality};
+use super::record::{Command, TickInput, TickOutput};
+use super::{PairState, RunState, SceneState, Scratch, flags, quality};
 use super::{admit, balance, emit, gather, iterate, motion, rigid};
 use crate::scene::Scene;
 use palpate_geometry::math::{SavedState, StateError, state_hash};
@@ -91,6 +91,16 @@ pub fn render(
     }
 }
 
+/// By pair of bodies: how deep they are in each other at the start, m; 0 of other pairs.
+pub(crate) fn depths_at_start(scene: &Scene) -> Vec<f64> {
+    let mut state = scene.initial_state();
+    let mut scratch = scene.scratch(&state);
+    rigid::aim(scene, &state, &mut scratch, true);
+    gather::gather(scene, &mut state, &mut scratch, true);
+    let depth = |pair: &PairState| pair.proxy.deepest_m;
+    state.pairs.iter().map(depth).collect()
+}
+
 /// [`Stage::Deform`](super::stage::Stage): moves the bodies and predicts their next free motion.
 pub fn deform(
     scene: &Scene,
@@ -100,8 +110,8 @@ pub fn deform(
 ) {
     if !output.moving {
         motion::stand_still(scene, state, scratch);
-    } else if !motion::advance(scene, state, scratch) {
-        output.fault = Some(TickFault::NotFinite);
+    } else if let Some(fault) = motion::advance(scene, state, scratch) {
+        output.fault = Some(fault);
         // The forces of this tick are out already.
         state.faulted = true;
     }

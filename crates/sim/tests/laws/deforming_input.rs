@@ -102,7 +102,7 @@ fn a_value_out_of_range_names_its_line() {
         ),
         (
             "lattice = { refine = [1000, 1000] }",
-            "8:13: 1000 x 1000 points in 4 layers are more than 64000 nodes",
+            "8:13: 1000 x 1000 points in 3 layers are more than 64000 nodes",
         ),
         (
             "lattice = { cell_layers = 0 }",

@@ -1,5 +1,6 @@
 //! Laws of the simulation: forces, rest, energy, friction, couplings, refusals.
 
+mod apart;
 mod bending;
 mod bounce;
 mod carried;

@@ -87,7 +87,7 @@ fn cells(body: &Inputs<'_>, surface: &Surface) -> Option<(CellGrid, f64)> {
     let topology = surface.topology();
     let points = surface.net().points();
     let columns = surface.net().columns();
-    let count = body.spec.lattice.layers;
+    let count = body.spec.layers();
     let Some(shape) = layout(surface, &topology) else {
         let (thickness_m, inward) = sheet(body, surface)?;
         let grid = layers::sheet(
@@ -119,8 +119,8 @@ pub(super) fn sheet(body: &Inputs<'_>, surface: &Surface) -> Option<(f64, Vec<Ve
         at.key("thickness_m")
             .refused("an open sheet needs a thickness above 0; give lattice = { thickness_m = … }")
     });
-    if lattice.layers < 2 {
-        let layers = lattice.layers;
+    let layers = body.spec.layers();
+    if layers < 2 {
         return at.key("layers").refused(format!(
             "layers is {layers}; an open sheet needs at least 2"
         ));

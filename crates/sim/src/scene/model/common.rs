@@ -7,7 +7,7 @@ use crate::body::{Cell, CellGrid, Deformable, DeformableError, Inside, Integrato
 use crate::body::{Solid, StepMatrix, StepSettings};
 use crate::scene::plan::step_us;
 use crate::scene::refine::{self, Refined};
-use crate::scene::spec::{IterationsSpec, MatrixSpec, MethodSpec, RefineSpec, RegionSpec};
+use crate::scene::spec::{IterationsSpec, MatrixSpec, MethodSpec, RefineSpec};
 use crate::scene::{BodyModel, DeformingBody, samples_per_span};
 use crate::solve::indentation::Resolution;
 use palpate_geometry::contact::ContactSamples;
@@ -57,7 +57,7 @@ pub(super) fn deforming<'b>(
     }
     let focused = matches!(spec.lattice.refine, RefineSpec::Focus { .. });
     let node_budget = match focused {
-        true => node_budget.min(FOCUS_BUDGET * spec.lattice.layers),
+        true => node_budget.min(FOCUS_BUDGET * spec.layers()),
         false => node_budget,
     };
     let with = |grading: f64| {
@@ -242,7 +242,7 @@ pub(super) fn solid<'s>(
         );
     }
     let points = surface.net().points().len();
-    let layers = body.spec.lattice.layers;
+    let layers = body.spec.layers();
     if points.saturating_mul(layers) > MOST_POINTS {
         return body.at.key("lattice").refused(format!(
             "a net of {points} points in {layers} layers has more than {MOST_POINTS} nodes, which no tick can move; \
@@ -293,11 +293,6 @@ fn materials(body: &Inputs<'_>, grid: &CellGrid) -> Vec<Material> {
         material: common,
         ..
     } = body;
-    let holds = |region: &RegionSpec, p: &Point3| match (&region.ball, &region.box_) {
-        (Some(ball), _) => (p - Point3::from(ball.centre)).norm() <= ball.radius_m,
-        (None, Some(bounds)) => (0..3).all(|c| (bounds.low[c]..=bounds.high[c]).contains(&p[c])),
-        (None, None) => false,
-    };
     let of_cell = |cell: &Cell| {
         let centre: Vector3 = cell
             .iter()
@@ -308,7 +303,7 @@ fn materials(body: &Inputs<'_>, grid: &CellGrid) -> Vec<Material> {
             .regions
             .iter()
             .rev()
-            .find(|region| holds(region, &centre));
+            .find(|region| region.holds(&centre));
         region.map_or(*common, |region| Material {
             young_pa: region.young_pa.unwrap_or(common.young_pa),
             poisson: region.poisson.unwrap_or(common.poisson),

@@ -114,7 +114,7 @@ fn below(
     if coordinates.len() == count {
         return;
     }
-    let lattice = &body.spec.lattice;
+    let (lattice, layers) = (&body.spec.lattice, body.spec.layers());
     let layered = lattice.builder == BuilderSpec::Layers || body.spec.model == ModelSpec::Net;
     match layout(surface, &surface.topology()) {
         // Layers are copies of the net, one after the other.
@@ -136,10 +136,10 @@ fn below(
             }
         }
         Some(rings) if layered => {
-            let node = layers::ring_nodes(&rings, lattice.layers);
+            let node = layers::ring_nodes(&rings, layers);
             let (around, along) = (rings.around, rings.along);
             for j in (0..along).filter(|&j| (0..around).all(|i| skin[rings.control(i, j)])) {
-                for layer in 1..=lattice.layers {
+                for layer in 1..=layers {
                     let first = (layer * along + j) * around;
                     for &inner in &node[first..first + around] {
                         fixed[inner as usize] = true;

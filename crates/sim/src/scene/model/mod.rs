@@ -17,7 +17,7 @@ mod values;
 
 pub(crate) use common::Choice;
 pub use names::ModelSpec;
-pub(super) use values::launch_of;
+pub(super) use values::{launch_of, material_of};
 
 use super::door::At;
 use super::spec::{BodySpec, SceneSpec};

@@ -55,7 +55,7 @@ fn reduced(body: &Inputs<'_>, surface: &Surface) -> Option<(Reduced, f64)> {
     let (points, weights) = (surface.net().points(), surface.weights());
     let Some(shape) = layout(surface, &topology) else {
         let (thickness_m, inward) = cells::sheet(body, surface)?;
-        let shells = spec.lattice.layers;
+        let shells = spec.layers();
         let depth = Axis::depth(
             shells,
             spec.lattice.cell_layers.unwrap_or(2 * (shells - 1)) + 1,
@@ -72,7 +72,7 @@ fn reduced(body: &Inputs<'_>, surface: &Surface) -> Option<(Reduced, f64)> {
         let volume = reduced.grid.quality().volume_m3;
         return Some((reduced, volume));
     };
-    let shells = spec.lattice.layers;
+    let shells = spec.layers();
     let depth = Axis::depth(
         shells + 1,
         spec.lattice.cell_layers.unwrap_or(2 * shells) + 1,

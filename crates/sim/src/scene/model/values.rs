@@ -43,7 +43,7 @@ pub(super) fn check(spec: &BodySpec, at: &At<'_>) -> Option<Values> {
     for (r, region) in spec.regions.iter().enumerate() {
         check_region(region, &at.key("region").entry(r));
     }
-    check_lattice(&spec.lattice, &at.key("lattice"));
+    check_lattice(&spec.lattice, spec.layers(), &at.key("lattice"));
     check_integrator(&spec.integrator, &at.key("integrator"));
     let held: Vec<Option<Held>> = spec
         .fixed
@@ -120,15 +120,14 @@ const MOST_LAYERS: usize = 64;
 /// Most nodes in layers: 27,000 take 31 ms a tick.
 pub(super) const MOST_POINTS: usize = 64_000;
 
-fn check_lattice(spec: &LatticeSpec, at: &At<'_>) {
-    at.count("layers", spec.layers, MOST_LAYERS);
+fn check_lattice(spec: &LatticeSpec, layers: usize, at: &At<'_>) {
+    at.count("layers", layers, MOST_LAYERS);
     if let RefineSpec::Counts([u, v]) = spec.refine {
-        let most = MOST_POINTS / spec.layers.clamp(1, MOST_LAYERS);
+        let most = MOST_POINTS / layers.clamp(1, MOST_LAYERS);
         if u.saturating_mul(v) > most {
             at.key("refine").refuse(format!(
-                "{u} x {v} points in {} layers are more than {MOST_POINTS} nodes, which no tick can move; \
-                 give at most {most} points, or fewer layers",
-                spec.layers
+                "{u} x {v} points in {layers} layers are more than {MOST_POINTS} nodes, which no tick can move; \
+                 give at most {most} points, or fewer layers"
             ));
         }
     }
@@ -186,8 +185,8 @@ fn material(spec: &MaterialSpec, at: &At<'_>) -> Option<Material> {
         .stiffening
         .as_ref()
         .map(|s| stiffening(s, &at.key("stiffening")));
-    let name = spec.preset.as_deref().unwrap_or("gel");
-    let Some(preset) = preset(name) else {
+    let Some(material) = material_of(spec) else {
+        let name = spec.preset.as_deref().unwrap_or_default();
         let known: Vec<&str> = PRESETS.iter().map(|preset| preset.name).collect();
         let near = nearest(name, known.iter().copied());
         return at.key("preset").refused(format!(
@@ -195,14 +194,22 @@ fn material(spec: &MaterialSpec, at: &At<'_>) -> Option<Material> {
             known.join(", ")
         ));
     };
-    let of_preset = preset.material;
+    Some(Material {
+        plastic: plastic.or(material.plastic).filter(|p| p.rate_per_s > 0.0),
+        stiffening: stiffening.or(material.stiffening),
+        ..material
+    })
+}
+
+/// The elastic values of a material, and what else its preset has; `None` if there is no such preset.
+pub(in crate::scene) fn material_of(spec: &MaterialSpec) -> Option<Material> {
+    let of_preset = preset(spec.preset.as_deref().unwrap_or("gel"))?.material;
     Some(Material {
         young_pa: spec.young_pa.unwrap_or(of_preset.young_pa),
         poisson: spec.poisson.unwrap_or(of_preset.poisson),
         density_kg_m3: spec.density_kg_m3.unwrap_or(of_preset.density_kg_m3),
         damping_s: spec.damping_s.unwrap_or(of_preset.damping_s),
-        plastic: plastic.or(of_preset.plastic).filter(|p| p.rate_per_s > 0.0),
-        stiffening: stiffening.or(of_preset.stiffening),
+        ..of_preset
     })
 }
 
