@@ -276,7 +276,7 @@ fn what_cannot_be_a_sweep_is_refused_before_the_first_run() {
         &["12000000 runs"],
     );
     refused(&with("for_s = 0.3", "for_s = nan"), &["for_s"]);
-    refused(&with("for_s", "fors"), &["fors"]);
+    refused(&with("for_s", "fors"), &["line 3", "for_s"]);
     std::fs::write(directory.path().join("sweep.toml"), SWEEP).unwrap();
     for (more, words) in [
         (vec!["-o", "a.xls"], ".parquet"),

@@ -575,7 +575,7 @@ fn what_would_take_gigabytes_is_refused_at_once() {
         ),
         (
             "{ refine = [1000, 1000] }",
-            "1000 x 1000 points in 4 layers are more than",
+            "1000 x 1000 points in 3 layers are more than",
         ),
     ] {
         std::fs::write(path.join("s.toml"), format!("{body}lattice = {lattice}\n")).unwrap();

@@ -4,7 +4,8 @@ use crate::daemon::{Daemon, PROGRAM};
 use palpate::recording::{Session, replay};
 use palpate::scenario::{NAMES, Report, Scenario, Settings};
 use palpate_client::pose_at;
-use std::path::Path;
+use palpate_sim::scene::file;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::{Duration, Instant};
 
@@ -28,6 +29,36 @@ fn palpate(arguments: &[&str]) -> (String, String, i32) {
         text(output.stderr),
         output.status.code().unwrap_or(-1),
     )
+}
+
+/// Scene files in a folder and those below.
+fn scenes_in(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let is_scene = || std::fs::read_to_string(&path).unwrap().contains("[[body]]");
+        if path.is_dir() {
+            scenes_in(&path, found);
+        } else if path.extension().is_some_and(|e| e == "toml") && is_scene() {
+            found.push(path);
+        }
+    }
+}
+
+#[test]
+fn nothing_is_found_about_any_scene_that_comes_with_the_program() {
+    let mut scenes = Vec::new();
+    for folder in ["scenes", "recordings/golden", "examples", "packaging"] {
+        scenes_in(
+            &Path::new(env!("CARGO_MANIFEST_DIR")).join(folder),
+            &mut scenes,
+        );
+    }
+    assert!(scenes.len() > 15, "{scenes:?}");
+    for path in scenes {
+        let scene = file::load(&path).unwrap().build_to_run();
+        let scene = scene.unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(scene.warnings(), [], "{}", path.display());
+    }
 }
 
 #[test]

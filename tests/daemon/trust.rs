@@ -382,7 +382,6 @@ fn soft_bodies_that_stand_in_each_other_are_refused_in_every_way_to_run_them() {
         (&serve[..], 2),
         (&["probe", "bad.toml", "--poses", "poses.csv"], 2),
         (&["doctor", "bad.toml"], 2),
-        (&["batch", "bad.toml", "--for", "10ms", "--no-cache"], 3),
     ] {
         let bad = run(arguments);
         let said = words(&bad);

@@ -1,7 +1,7 @@
 //! Numbers and arrays in and out.
 
 use numpy::{PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
-use palpate_geometry::math::Point3;
+use palpate_geometry::math::{MOST_COORDINATE_M, Point3};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
@@ -45,12 +45,13 @@ pub fn slice<'a>(array: &'a PyReadonlyArrayDyn<'_, f64>) -> &'a [f64] {
     array.as_slice().expect("contiguous")
 }
 
-/// Refuses NaN and infinity with the index of the first.
+/// Refuses what nothing can be calculated with, NaN and infinity among it, with the index of the first.
 pub fn finite(values: &[f64], name: &str) -> PyResult<()> {
-    match values.iter().position(|x| !x.is_finite()) {
+    let within = |x: &f64| x.abs() <= MOST_COORDINATE_M;
+    match values.iter().position(|x| !within(x)) {
         None => Ok(()),
         Some(k) => Err(PyValueError::new_err(format!(
-            "{name}: value {k} is {}; it must be finite",
+            "{name}: value {k} is {}; it must be finite, within ±{MOST_COORDINATE_M:e}",
             values[k]
         ))),
     }

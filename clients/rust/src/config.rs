@@ -20,6 +20,10 @@ fn read(path: &Path) -> Result<zenoh::Config, String> {
     if !path.extension().is_some_and(known) {
         return Err("a configuration is a file .json5, .json or .yaml".into());
     }
+    if (path.extension()).is_some_and(|kind| kind == "json5" || kind == "json") {
+        // Zenoh would quote the line.
+        json5_value(&std::fs::read_to_string(path).map_err(|e| e.to_string())?)?;
+    }
     zenoh::Config::from_file(path).map_err(|e| refusal(&e.to_string()))
 }
 

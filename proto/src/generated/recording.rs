@@ -55,6 +55,7 @@ pub struct Tick {
     pub state_hash: u64,
     #[prost(uint64, tag = "4")]
     pub net_revision: u64,
+    /// 0: none. 1: something was not finite. 2 and more: the body of this number less 2 had come apart. It was set back to rest.
     #[prost(uint32, tag = "5")]
     pub fault: u32,
     #[prost(bool, tag = "6")]

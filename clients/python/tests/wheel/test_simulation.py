@@ -192,6 +192,7 @@ def test_a_varied_scene_is_another_scene(soft_scene: pp.Scene) -> None:
         (np.zeros((3, 1)), r"\(3, 1\)"),
         ((0.0, 0.0, math.nan), "finite"),
         (np.array([0.0, math.inf, 0.0]), "finite"),
+        ((0.0, 1e155, 0.0), "finite"),
         ((0.0, 0.0, 0.04, 0.0, 0.0, 0.0, 2.0), "divide it by its length"),
     ],
 )
@@ -282,3 +283,17 @@ def test_a_simulation_stepped_by_two_threads_says_so(soft_scene: pp.Scene) -> No
 def test_simulations_are_not_pickled_and_say_what_is(rigid_scene: pp.Scene) -> None:
     with pytest.raises(TypeError, match="sim.save"):
         pickle.dumps(rigid_scene.simulate())
+
+
+def test_a_scene_with_a_slip_of_units_warns_and_one_that_cannot_be_meant_is_refused() -> None:
+    body = {"id": "ball", "surface": {"builtin": "sphere"}, "model": "lattice", "lattice": {"layers": 1, "refine": "none"}}
+    body["material"] = {"density_kg_m3": 1.05}
+    body["fixed"] = [{"point": [0.0, 0.0, -0.03], "normal": [0.0, 0.0, 1.0]}]
+    with pytest.warns(pp.SceneWarning, match="did you mean 1050 kg/m³"):
+        scene = pp.Scene({"body": [body]})
+    assert len(scene.warnings) == 1 and "density_kg_m3" in scene.warnings[0]
+    other = {**body, "id": "other", "pose": {"position": [0.03, 0.0, 0.0]}}
+    with pytest.raises(pp.SceneError, match="mm in each other"):
+        pp.Scene({"body": [body, other]})
+    with pytest.raises(pp.SceneError, match="within ±1e12"):
+        pp.Scene({"body": [{**body, "pose": {"position": [1e200, 0.0, 0.0]}}]})

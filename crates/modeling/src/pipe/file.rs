@@ -181,12 +181,12 @@ mod tests {
             (
                 "0.5, 1]",
                 "-0.5, 1]",
-                "weight 1 is -0.5; weights are finite and above 0",
+                "weight 1 is -0.5; weights are from 1e-9 to 1e9",
             ),
             (
                 "0.5, 1]",
                 "0, 1]",
-                "weight 1 is 0; weights are finite and above 0",
+                "weight 1 is 0; weights are from 1e-9 to 1e9",
             ),
             ("0.5, 1]", "1]", "2 weights for 3 control points"),
         ] {
