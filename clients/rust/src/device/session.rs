@@ -292,7 +292,11 @@ mod tests {
             unknown.contains("tremor") && unknown.contains("line 2"),
             "{unknown}"
         );
-        assert!(told("speed = 1\n").contains("speed"));
+        let foreign = told("speed = 1\n");
+        assert!(
+            foreign.contains("line 1") && foreign.contains("expected"),
+            "{foreign}"
+        );
     }
 
     #[test]
