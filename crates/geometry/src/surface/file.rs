@@ -482,7 +482,7 @@ mod tests {
             ),
             (
                 &|d| d["unit"] = "cm".into(),
-                "unit should be \"m\" or \"mm\", but is \"cm\"",
+                "unit should be \"m\" or \"mm\", but is a text",
             ),
             (
                 &|d| d["degree"] = 1.into(),
