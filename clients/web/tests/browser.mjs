@@ -1093,8 +1093,9 @@ if (palpate !== undefined) {
       }
       await until(page, `Math.hypot(...window.palpate.report().tools[${mouse}].force) > 0.05`, "a force");
       await shot(page, "real-cells");
-      // Control points of a lattice are nodes: each is one of those that are drawn inside.
-      const apart = await page.evaluate(() => {
+      // Control points of a lattice are nodes: each is one of those that are drawn inside. Nodes come just before
+      // the net of their tick: between the two they are of another.
+      const measure = () => page.evaluate(() => {
         const { nodes, points } = window.palpate.inside("drop");
         let worst = 0;
         for (let k = 0; k < points.length; k += 3) {
@@ -1104,6 +1105,11 @@ if (palpate !== undefined) {
         }
         return worst;
       });
+      let apart = await measure();
+      for (let k = 0; k < 40 && apart >= 2e-4; k++) {
+        await sleep(25);
+        apart = await measure();
+      }
       console.log(`    control points are within ${(apart * 1e6).toFixed(2)} µm of nodes`);
       assert.ok(apart < 2e-4, `${apart} m`);
       await page.keyboard.press("Escape");
