@@ -230,10 +230,13 @@ fn figures(
     if args.bless {
         return bless(args, hashed, found, before, &path);
     }
-    let Some(before) = before else { unreachable!("read, or an error") };
+    let Some(before) = before else {
+        unreachable!("read, or an error")
+    };
     let hashes = hashed.then(|| before.hashes_of_session(&found, &path));
     let hashes = hashes.transpose()?;
-    let first = hashes.and_then(|hashes| hashes.first_difference(&found.hashes, found.figures.ticks));
+    let first =
+        hashes.and_then(|hashes| hashes.first_difference(&found.hashes, found.figures.ticks));
     // Hashes that differ say little: the figures say what has changed.
     let exact = first.is_some();
     let report = FiguresReport {
@@ -289,7 +292,10 @@ fn bless(
     let mut now = found.figures;
     let mut changed = None;
     // Hashes that are there do not become stale.
-    let hashed = hashed || before.as_ref().is_some_and(|before| before.hashes.is_some());
+    let hashed = hashed
+        || before
+            .as_ref()
+            .is_some_and(|before| before.hashes.is_some());
     now.hashes = hashed.then_some(found.hashes);
     if let Some(before) = &before {
         // Tolerances are of the author: they stay.

@@ -50,8 +50,8 @@ pub use figures::{
 pub(crate) use file::part_of;
 pub use file_info::{ChannelInfo, FileInfo};
 pub use format::WriteError;
-pub use inputs::{InputBlock, InputsError, Reduced, RunError, Start, record_again, reduce};
 pub use info::{Info, Origin, computed_info, info};
+pub use inputs::{InputBlock, InputsError, Reduced, RunError, Start, record_again, reduce};
 pub use message::SessionHash;
 pub(crate) use message::wall_ns;
 pub use parts::Split;

@@ -77,7 +77,13 @@ impl Hashes {
         let pairs = self.stretches.iter().zip(&now.stretches).enumerate();
         for (k, (expected, found)) in pairs {
             if expected != found {
-                return Some(apart("outputs", self.ticks_of(k, ticks), expected, found, k));
+                return Some(apart(
+                    "outputs",
+                    self.ticks_of(k, ticks),
+                    expected,
+                    found,
+                    k,
+                ));
             }
         }
         let all = (self.first_tick, self.first_tick + ticks.saturating_sub(1));
@@ -124,7 +130,9 @@ impl Hasher {
     /// Takes a command in.
     pub fn command(&mut self, after_tick: u64, command: Command) {
         let bytes = command_to_proto(after_tick, command).encode_to_vec();
-        bytes.iter().for_each(|byte| self.inputs.push(after_tick, u64::from(*byte)));
+        bytes
+            .iter()
+            .for_each(|byte| self.inputs.push(after_tick, u64::from(*byte)));
     }
 
     /// Takes in what went into a tick.

@@ -275,7 +275,11 @@ impl Figures {
     ///
     /// # Errors
     /// No hashes, or those of another session.
-    pub fn hashes_of_session(&self, now: &Simulation, path: &Path) -> Result<&Hashes, FiguresError> {
+    pub fn hashes_of_session(
+        &self,
+        now: &Simulation,
+        path: &Path,
+    ) -> Result<&Hashes, FiguresError> {
         let path = || path.to_owned();
         let hashes = self.hashes.as_ref();
         let hashes = hashes.ok_or_else(|| FiguresError::NoHashes(path()))?;
@@ -284,7 +288,10 @@ impl Figures {
             let ids = ids.chain(figures.bodies.iter().map(|body| body.id.as_str()));
             [
                 ("scene", figures.scene.clone()),
-                ("list of tools and bodies", ids.collect::<Vec<_>>().join(", ")),
+                (
+                    "list of tools and bodies",
+                    ids.collect::<Vec<_>>().join(", "),
+                ),
                 ("number of ticks", figures.ticks.to_string()),
                 ("first tick", hashes.first_tick.to_string()),
                 ("length of stretches", hashes.every.to_string()),

@@ -1,7 +1,7 @@
 //! A whole recording from the inputs of another one, as this build steps them.
 
-use super::super::reader::{Session, recorded_spec};
 use super::super::port::RecorderPort;
+use super::super::reader::{Session, recorded_spec};
 use super::super::recorder::{RecorderSettings, SteppedRecorder};
 use super::super::replay::ReplayError;
 use super::super::report::RecordingSummary;

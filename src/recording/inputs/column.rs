@@ -158,7 +158,11 @@ mod tests {
             .collect();
         let column = packed(&hand);
         let bytes = prost::Message::encoded_len(&column);
-        assert!(column.order > 5 && bytes < 2_100, "{bytes} bytes, order {}", column.order);
+        assert!(
+            column.order > 5 && bytes < 2_100,
+            "{bytes} bytes, order {}",
+            column.order
+        );
         assert_eq!(unpacked(&column), Ok(hand));
     }
 }

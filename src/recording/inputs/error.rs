@@ -65,7 +65,9 @@ pub enum InputsError {
     #[error("{0}: it holds inputs only already")]
     Reduced(PathBuf),
     /// Something is missing.
-    #[error("{path}: the recording is incomplete ({reason}): only a whole one can be reduced to its inputs")]
+    #[error(
+        "{path}: the recording is incomplete ({reason}): only a whole one can be reduced to its inputs"
+    )]
     Incomplete {
         /// The recording.
         path: PathBuf,

@@ -19,7 +19,9 @@ pub use reduce::{Reduced, reduce};
 pub use run::Start;
 pub(super) use run::{Input, InputRun};
 
-use super::convert::{ConvertError, command_from_proto, command_to_proto, pose_from_values, pose_values};
+use super::convert::{
+    ConvertError, command_from_proto, command_to_proto, pose_from_values, pose_values,
+};
 use column::{packed, unpacked};
 use palpate_proto::recording as pb;
 use palpate_sim::haptics::DevicePose;
@@ -81,13 +83,20 @@ impl InputBlock {
             let (mut at, mut fresh) = (0, false);
             for &run in &tool.runs {
                 let end = at + run as usize;
-                for input in ticks.get_mut(at..end).into_iter().flatten().filter(|_| fresh) {
+                for input in ticks
+                    .get_mut(at..end)
+                    .into_iter()
+                    .flatten()
+                    .filter(|_| fresh)
+                {
                     input.poses[t] = poses.next();
                 }
                 (at, fresh) = (end.min(count + 1), !fresh);
             }
             if at != count || poses.next().is_some() {
-                return Err(wrong(format!("poses of tool {t} are not those of {count} ticks")));
+                return Err(wrong(format!(
+                    "poses of tool {t} are not those of {count} ticks"
+                )));
             }
         }
         let commands = block.commands.iter().map(|command| {
@@ -113,20 +122,34 @@ fn tool_to_proto<'a>(poses: impl Iterator<Item = Option<&'a DevicePose>>) -> pb:
         *runs.last_mut().unwrap_or_else(|| unreachable!()) += 1;
         let Some(pose) = pose else { continue };
         let numbers = [pose.seq, pose.t_client_ns, pose.buttons.into()];
-        integers.iter_mut().zip(numbers).for_each(|(to, x)| to.push(x));
-        floats.iter_mut().zip(pose_values(pose)).for_each(|(to, x)| to.push(x));
+        integers
+            .iter_mut()
+            .zip(numbers)
+            .for_each(|(to, x)| to.push(x));
+        floats
+            .iter_mut()
+            .zip(pose_values(pose))
+            .for_each(|(to, x)| to.push(x));
     }
     pb::ToolInputs {
         runs,
-        integers: integers.iter().map(|column| packed::<u64>(column)).collect(),
+        integers: integers
+            .iter()
+            .map(|column| packed::<u64>(column))
+            .collect(),
         floats: floats.iter().map(|column| packed::<f64>(column)).collect(),
     }
 }
 
 fn tool_from_proto(tool: &pb::ToolInputs) -> Result<Vec<DevicePose>, String> {
-    let (integers, floats) = (columns::<u64, 3>(&tool.integers)?, columns::<f64, 13>(&tool.floats)?);
+    let (integers, floats) = (
+        columns::<u64, 3>(&tool.integers)?,
+        columns::<f64, 13>(&tool.floats)?,
+    );
     let count = integers[0].len();
-    if integers.iter().any(|column| column.len() != count) || floats.iter().any(|column| column.len() != count) {
+    if integers.iter().any(|column| column.len() != count)
+        || floats.iter().any(|column| column.len() != count)
+    {
         return Err("columns of a tool have different lengths".into());
     }
     let poses = (0..count).map(|k| {
@@ -141,5 +164,7 @@ fn tool_from_proto(tool: &pb::ToolInputs) -> Result<Vec<DevicePose>, String> {
 fn columns<T: column::Number, const N: usize>(all: &[pb::Column]) -> Result<[Vec<T>; N], String> {
     let columns: Vec<Vec<T>> = all.iter().map(unpacked).collect::<Result<_, _>>()?;
     let count = columns.len();
-    columns.try_into().map_err(|_| format!("{count} columns of a tool, not {N}"))
+    columns
+        .try_into()
+        .map_err(|_| format!("{count} columns of a tool, not {N}"))
 }

@@ -108,7 +108,9 @@ fn write(
     let scene = Arc::new(recorded_scene(session).map_err(RunError::from)?);
     let (from, first) = (0, None);
     let none = RunError::Replay(ReplayError::NoKeyframe { from, first });
-    let (place, keyframe) = first_keyframe(session).map_err(RunError::from)?.ok_or(none)?;
+    let (place, keyframe) = first_keyframe(session)
+        .map_err(RunError::from)?
+        .ok_or(none)?;
     // The scene's own start needs no keyframe, and so has none that another version cannot read.
     let own = keyframe.tick == 0 && Rerun::new(&scene).hash() == keyframe.state_hash;
     let keyframe = (!own).then_some(keyframe);

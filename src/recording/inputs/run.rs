@@ -114,8 +114,9 @@ impl InputRun {
             Ok(Happening::Inputs(block)) => {
                 let commands = block.commands.into_iter();
                 let ticks = (block.tick..).zip(block.ticks);
-                self.waiting
-                    .extend(commands.map(|(after_tick, command)| Input::Command(after_tick, command)));
+                self.waiting.extend(
+                    commands.map(|(after_tick, command)| Input::Command(after_tick, command)),
+                );
                 self.waiting
                     .extend(ticks.map(|(tick, input)| Input::Tick(tick, input)));
             }

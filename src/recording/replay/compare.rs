@@ -104,14 +104,17 @@ pub(in super::super) fn compared_words(
     tool_count: usize,
     mut take: impl FnMut(u64),
 ) {
-    let mut floats = |vectors: &[(&str, &[f64])], take: &mut dyn FnMut(u64)| {
+    let floats = |vectors: &[(&str, &[f64])], take: &mut dyn FnMut(u64)| {
         let values = vectors.iter().flat_map(|(_, values)| *values);
         values.for_each(|x| take(x.to_bits()));
     };
     for tool in output.tools.first(tool_count) {
         tool_numbers(tool).iter().for_each(|(_, n)| take(*n));
         floats(&tool_vectors(tool), &mut take);
-        take(tool.contact.map_or(0, |contact| 1 + u64::from(contact.body)));
+        take(
+            tool.contact
+                .map_or(0, |contact| 1 + u64::from(contact.body)),
+        );
         if let Some(contact) = &tool.contact {
             floats(&contact_vectors(contact), &mut take);
         }
@@ -144,7 +147,10 @@ fn tool_vectors(tool: &ToolOutput) -> [(&'static str, &[f64]); 8] {
         ("force_n", tool.force_n.as_slice()),
         ("torque_nm", tool.torque_nm.as_slice()),
         ("proxy_position", tool.proxy_position.coords.as_slice()),
-        ("proxy_orientation", tool.proxy_orientation.coords.as_slice()),
+        (
+            "proxy_orientation",
+            tool.proxy_orientation.coords.as_slice(),
+        ),
         ("contact_force_n", tool.contact_force_n.as_slice()),
         ("contact_torque_nm", tool.contact_torque_nm.as_slice()),
         ("energy_j", from_ref(&tool.energy_j)),
