@@ -168,3 +168,69 @@ fn columns<T: column::Number, const N: usize>(all: &[pb::Column]) -> Result<[Vec
         .try_into()
         .map_err(|_| format!("{count} columns of a tool, not {N}"))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use palpate_geometry::math::{Point3, Rotation, Vector3};
+
+    fn block() -> InputBlock {
+        let mut ticks = vec![TickInput::for_tools(2); 7];
+        for (k, tool) in [(0, 1), (2, 0), (3, 0), (3, 1), (6, 0)] {
+            ticks[k].poses[tool] = Some(DevicePose {
+                seq: k as u64 + 1,
+                t_client_ns: u64::MAX - k as u64,
+                position: Point3::new(0.1 * k as f64, -0.0, f64::NAN),
+                orientation: Rotation::identity(),
+                linear_velocity: Vector3::new(1.0 / 3.0, f64::INFINITY, -1e-310),
+                angular_velocity: Vector3::zeros(),
+                buttons: u32::MAX * (k as u32 % 2),
+            });
+        }
+        InputBlock {
+            tick: 41,
+            commands: vec![(40, Command::Reset), (40, Command::Quality(2))],
+            ticks,
+        }
+    }
+
+    #[test]
+    fn a_block_comes_back_with_every_bit() {
+        let message = block().to_proto(2);
+        let back = InputBlock::from_proto(&message).unwrap();
+        // Not a number is not equal to itself; its bits in a second trip are.
+        assert_eq!(back.to_proto(2), message);
+        assert_eq!(format!("{back:?}"), format!("{:?}", block()));
+        assert_eq!(message.tools[0].runs, [2, 2, 2, 1]);
+        assert_eq!(message.tools[1].runs, [0, 1, 2, 1, 3]);
+    }
+
+    #[test]
+    fn blocks_of_the_wrong_shape_are_refused() {
+        type Edit = fn(&mut pb::Inputs);
+        let edits: [(&str, Edit); 8] = [
+            ("at most", |b| b.ticks = MOST_TICKS as u32 + 1),
+            ("at most", |b| {
+                b.tools.resize(MAX_TOOLS + 1, pb::ToolInputs::default())
+            }),
+            ("are not those of 8 ticks", |b| b.ticks = 8),
+            ("are not those of 7 ticks", |b| {
+                b.tools[0].runs = vec![u32::MAX; 5]
+            }),
+            ("are not those of 7 ticks", |b| b.tools[1].runs = vec![7]),
+            ("different lengths", |b| {
+                drop(b.tools[0].floats[3].residuals.pop())
+            }),
+            ("12 columns of a tool, not 13", |b| {
+                drop(b.tools[0].floats.pop())
+            }),
+            ("unknown command", |b| b.commands[0].name = "fly".into()),
+        ];
+        for (words, edit) in edits {
+            let mut message = block().to_proto(2);
+            edit(&mut message);
+            let error = InputBlock::from_proto(&message).unwrap_err();
+            assert!(error.what.contains(words), "{words}: {error}");
+        }
+    }
+}
