@@ -168,7 +168,8 @@ fn a_replay_of_inputs_compares_hashes_and_says_where_they_part() {
             "{arguments:?}: {ended}, without {missing:?}: {told}"
         );
     };
-    let session = info(&Session::open(&whole).unwrap()).unwrap().session_hash;
+    let session = info(&Session::open(&whole).unwrap()).unwrap();
+    let session = session.session_hash.clone();
     holds(
         &["export", "whole.mcap", "--inputs", "inputs.mcap"],
         0,
@@ -205,7 +206,7 @@ fn a_replay_of_inputs_compares_hashes_and_says_where_they_part() {
         &["replay", "inputs.mcap", "--check", "bits"][..],
         &["play", "inputs.mcap"],
         &["view", "inputs.mcap"],
-        &["recover", "inputs.mcap", "out.mcap"],
+        &["recover", "inputs.mcap", "-o", "out.mcap"],
         &["export", "inputs.mcap", "--csv", "-"],
         &["export", "inputs.mcap", "--inputs", "out.mcap"],
     ] {
