@@ -1,4 +1,4 @@
-//! Protobuf messages of recordings, generated from `proto/palpate/v1/recording.proto` by
+//! Protobuf messages of recordings, generated from the files in `proto/palpate/v1` by
 //! `cargo run -p palpate-proto --example generate`.
 
 #![allow(missing_docs, clippy::all)]

@@ -1,22 +1,48 @@
 #!/usr/bin/env bash
-# Records the golden sessions anew: all, or those named. For a change of bits that is meant; say so in the CHANGELOG.
-#   cargo build --release && recordings/golden/make.sh [NAME…]
+# Golden sessions: all, or those named.
+#   cargo build --release
+#   recordings/golden/make.sh --bless [NAME…]   writes the hashes and figures of this build beside their inputs, which stay
+#   recordings/golden/make.sh [NAME…]           records other inputs
+# For a change of bits that is meant; say so in the CHANGELOG.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 root=$(cd "$here/../.." && pwd)
 palpate=$(realpath "${PALPATE:-$root/target/release/palpate}")
 port=${PORT:-7799}
+bless=0
+if [[ ${1-} == --bless ]]; then bless=1 && shift; fi
 wanted=("$@")
+# Kept whole: with views, for viewers; of a soft body, for readers of recordings.
+whole=" rigid-teardrop-press teardrop-tap "
+
+# keep NAME: the inputs of its new recording, or all of it, with hashes and figures beside them
+keep() {
+  local file=$scratch/$1.mcap out=$here/$1.inputs.mcap
+  if [[ $whole == *" $1 "* ]]; then
+    mv "$file" "$here" && "$palpate" replay "$here/$1.mcap" --check hashes --bless
+  else
+    rm -f "$out" "$out.figures.json"
+    "$palpate" export "$file" --inputs "$out"
+  fi
+}
+
+# begin NAME: false if it is not wanted, or only blessed
+begin() {
+  if ((${#wanted[@]})) && [[ " ${wanted[*]} " != *" $1 "* ]]; then return 1; fi
+  ((bless)) || return 0
+  local files=("$here/$1".*mcap)
+  "$palpate" replay "${files[0]}" --check hashes --bless || exit
+  return 1
+}
 
 # record NAME SCENE SECONDS TOOL:MOTION:DEPTH:DEVICE:SEED…
 record() {
   local name=$1 scene=$2 seconds=$3
   shift 3
-  if ((${#wanted[@]})) && [[ " ${wanted[*]} " != *" $name "* ]]; then return; fi
-  local file=$here/$name.mcap endpoint=tcp/127.0.0.1:$port devices=()
-  rm -f "$file" "$file.part"
-  "$palpate" serve "$root/$scene" --clock lockstep --for "$seconds" --record "$file" --listen "$endpoint" --no-rt ${VIEWS---no-views} \
-    >/dev/null 2>&1 &
+  begin "$name" || return 0
+  local endpoint=tcp/127.0.0.1:$port devices=()
+  "$palpate" serve "$root/$scene" --clock lockstep --for "$seconds" --record "$scratch/$name.mcap" --listen "$endpoint" --no-rt \
+    ${VIEWS---no-views} >/dev/null 2>&1 &
   local daemon=$!
   until (exec 3<>"/dev/tcp/127.0.0.1/$port") 2>/dev/null; do sleep 0.1; done
   for hand in "$@"; do
@@ -27,28 +53,19 @@ record() {
   done
   wait "$daemon"
   wait "${devices[@]}" || true
-  describe "$name"
-}
-
-# describe NAME: its hash in the table, its figures beside it
-describe() {
-  local name=$1 file=$here/$1.mcap hash
-  hash=$("$palpate" replay "$file" | grep -o 'session hash [0-9a-f]*' | cut -d' ' -f3)
-  "$palpate" replay "$file" --check figures --bless >/dev/null
-  sed -i "/$name.mcap/s/\`[0-9a-f]\{16\}\`/\`$hash\`/" "$here/README.md"
-  echo "$name $hash $(stat -c %s "$file") bytes"
+  keep "$name"
 }
 
 # scenario NAME SCENARIO RUN SECONDS
 scenario() {
-  local name=$1
-  if ((${#wanted[@]})) && [[ " ${wanted[*]} " != *" $name "* ]]; then return; fi
-  rm -f "$here/$name.mcap" "$here/$name.mcap.part"
+  begin "$1" || return 0
   # A bar that a short run misses is no matter here.
-  "$palpate" scenario "$2" --run "$3" --for "$4" --record "$here/$name.mcap" >/dev/null 2>&1 || [ $? = 1 ]
-  describe "$name"
+  "$palpate" scenario "$2" --run "$3" --for "$4" --record "$scratch/$1.mcap" >/dev/null 2>&1 || [ $? = 1 ]
+  keep "$1"
 }
 
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
 VIEWS="" record rigid-teardrop-press scenes/rigid-teardrop.toml 1500ms ball:press:0.004:ideal:3
 record small-lattice-press recordings/golden/small-lattice.toml 1500ms ball:press:0.004:ideal:3
 record two-drops-press scenes/two-drops.toml 1500ms ball:press:0.03:ideal:3

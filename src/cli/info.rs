@@ -19,7 +19,7 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    let session = Session::open(&args.file)?;
+    let session = Session::open_any(&args.file)?;
     let info = if args.check {
         computed_info(&session)?
     } else {

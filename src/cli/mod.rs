@@ -39,6 +39,7 @@ mod text;
 mod view;
 mod waiting;
 
+use crate::recording::InputsError;
 use crate::transport::threads_for_many_clients;
 use clap::{CommandFactory, Parser, Subcommand};
 use palpate_proto::text::printable;
@@ -263,8 +264,12 @@ pub fn code_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> u8 
         Ok(Outcome::Fault) => 3,
         Err(error) => {
             eprintln!("error: {}", printable(&said(&error)));
-            let difference = error.downcast_ref::<surface::Incomplete>().is_some();
-            if difference { 1 } else { 2 }
+            match error.downcast_ref() {
+                Some(InputsError::Differs { .. }) => 1,
+                Some(InputsError::Incomplete { .. }) => 3,
+                _ if error.is::<surface::Incomplete>() => 1,
+                _ => 2,
+            }
         }
     }
 }

@@ -2,8 +2,8 @@
 
 use super::Outcome;
 use crate::recording::{
-    Deviation, Figures, ReplayOptions, ReplayReport, Session, Start, deviations, replay_with,
-    simulate_figures,
+    Deviation, Figures, HashDifference, ReplayOptions, ReplayReport, Session, Simulation, Start,
+    deviations, record_again, replay_with, simulate,
 };
 use anyhow::Context as _;
 use std::path::{Path, PathBuf};
@@ -21,13 +21,18 @@ pub struct Args {
     /// Number of threads; results do not depend on it [default: one per core].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     jobs: Option<u16>,
-    /// What to compare: every bit, or the figures in FILE.figures.json within their tolerances.
-    #[arg(long, value_enum, default_value_t = Check::Bits)]
-    check: Check,
-    /// With --check figures: write the figures of this build to FILE.figures.json and print what
+    /// What to compare: every bit with the recording; the figures in FILE.figures.json within their
+    /// tolerances; or its hashes of all bits, also of a recording reduced to its inputs [default:
+    /// bits; hashes of one that is reduced].
+    #[arg(long, value_enum)]
+    check: Option<Check>,
+    /// With --check figures or hashes: write those of this build to FILE.figures.json and print what
     /// changed.
     #[arg(long)]
     bless: bool,
+    /// Compare nothing: run the inputs and record what comes of them, whole, to this new file.
+    #[arg(long, value_name = "OUT.mcap", conflicts_with_all = ["check", "bless", "from", "until", "jobs", "report", "json"])]
+    record: Option<PathBuf>,
     /// Write the report and, on a difference, the ticks around it to this FILE.json or directory.
     #[arg(long, value_name = "PATH")]
     report: Option<PathBuf>,
@@ -40,21 +45,27 @@ pub struct Args {
 enum Check {
     Bits,
     Figures,
+    Hashes,
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    if args.check == Check::Figures {
-        let whole = args.from == 0 && args.until.is_none();
+    let mut session = Session::open_any(&args.file)?;
+    let check = args.check.unwrap_or(match session.holds_inputs_only() {
+        true => Check::Hashes,
+        false => Check::Bits,
+    });
+    if check == Check::Bits && args.record.is_none() {
+        session = session.with_outputs()?;
+    } else {
         anyhow::ensure!(
-            whole,
-            "figures cover a whole recording: --from and --until work with --check bits only"
+            args.from == 0 && args.until.is_none(),
+            "figures and hashes cover a whole recording: --from and --until work with --check bits only"
         );
     }
     anyhow::ensure!(
-        !args.bless || args.check == Check::Figures,
-        "--bless writes figures: add --check figures"
+        !args.bless || check != Check::Bits,
+        "--bless writes figures or hashes: add --check figures or --check hashes"
     );
-    let session = Session::open(&args.file)?;
     let bar = if std::io::IsTerminal::is_terminal(&std::io::stderr()) {
         indicatif::ProgressBar::new(session.tick_count())
     } else {
@@ -64,11 +75,37 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         bar.set_length(all);
         bar.set_position(done);
     };
-    match args.check {
-        Check::Bits => bits(args, &session, progress),
-        Check::Figures => figures(args, &session, progress),
+    match (&args.record, check) {
+        (Some(target), _) => record(&session, target, progress),
+        (None, Check::Bits) => bits(args, &session, progress),
+        (None, Check::Figures | Check::Hashes) => figures(args, check, &session, progress),
     }
     .inspect(|_| bar.finish_and_clear())
+}
+
+fn record(
+    session: &Session,
+    target: &Path,
+    progress: impl FnMut(u64, u64),
+) -> anyhow::Result<Outcome> {
+    let summary = record_again(session, target, progress)?;
+    println!(
+        "{}: {} ticks, session hash {:016x}",
+        target.display(),
+        summary.ticks,
+        summary.session_hash
+    );
+    Ok(whole(session))
+}
+
+/// Says so where something is missing.
+fn whole(session: &Session) -> Outcome {
+    if session.is_whole() {
+        return Outcome::Ok;
+    }
+    let reason = session.cut_short().unwrap_or("it was not ended");
+    eprintln!("the recording is incomplete: {reason}");
+    Outcome::Fault
 }
 
 fn bits(args: &Args, session: &Session, progress: impl FnMut(u64, u64)) -> anyhow::Result<Outcome> {
@@ -155,74 +192,157 @@ fn write_report(args: &Args, report_text: &str) -> anyhow::Result<()> {
     std::fs::write(&path, format!("{report_text}\n")).with_context(|| path.display().to_string())
 }
 
+/// What is held against what is written down.
+#[derive(serde::Serialize)]
+struct FiguresReport<'a> {
+    figures: &'a Figures,
+    start: &'a Start,
+    deviations: Vec<Deviation>,
+    /// Where hashes were asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    first_difference: Option<Option<HashDifference>>,
+}
+
 fn figures(
     args: &Args,
+    check: Check,
     session: &Session,
     progress: impl FnMut(u64, u64),
 ) -> anyhow::Result<Outcome> {
     let path = Figures::path_for(&args.file);
-    let before = if args.bless {
-        Figures::read(&path).ok()
-    } else {
-        Some(Figures::read(&path)?)
+    let before = match Figures::read(&path) {
+        Err(_) if args.bless => None,
+        read => Some(read?),
     };
-    let (mut now, start) = simulate_figures(session, progress)?;
-    if let Start::Scene { reason } = &start {
+    let found = simulate(session, progress)?;
+    if let Start::Scene {
+        reason: Some(reason),
+    } = &found.start
+    {
         eprintln!(
             "note: the first keyframe does not fit this version ({reason}); the replay started from the scene's initial state"
         );
     }
+    let hashed = check == Check::Hashes;
+    if hashed && whole(session) != Outcome::Ok {
+        return Ok(Outcome::Fault);
+    }
     if args.bless {
-        // Tolerances are of the author: they stay.
-        now.tolerances = before
-            .as_ref()
-            .map_or(now.tolerances, |before| before.tolerances);
-        let changed = before.as_ref().map(|before| deviations(before, &now, true));
-        if changed.as_ref().is_none_or(|changed| !changed.is_empty()) {
-            now.write(&path)?;
-        }
-        print_figures(args, &now, &start, changed.as_deref().unwrap_or_default())?;
-        if !args.json {
-            match &changed {
-                None => println!("{} was written", path.display()),
-                Some(changed) => println!("{}: {} figures changed", path.display(), changed.len()),
+        return bless(args, hashed, found, before, &path);
+    }
+    let Some(before) = before else {
+        unreachable!("read, or an error")
+    };
+    let hashes = hashed.then(|| before.hashes_of_session(&found, &path));
+    let hashes = hashes.transpose()?;
+    let first =
+        hashes.and_then(|hashes| hashes.first_difference(&found.hashes, found.figures.ticks));
+    // Hashes that differ say little: the figures say what has changed.
+    let exact = first.is_some();
+    let report = FiguresReport {
+        figures: &found.figures,
+        start: &found.start,
+        deviations: match hashed && !exact {
+            true => Vec::new(),
+            false => deviations(&before, &found.figures, exact),
+        },
+        first_difference: hashed.then_some(first),
+    };
+    print_figures(args, &report)?;
+    let ticks = found.figures.ticks;
+    let first = report.first_difference.as_ref().and_then(Option::as_ref);
+    let same = first.is_none() && report.deviations.is_empty();
+    if !args.json {
+        match hashes {
+            None => {
+                let verdict = match same {
+                    true => "all figures are within their tolerances",
+                    false => "figures deviate",
+                };
+                println!("{ticks} ticks simulated: {verdict} in {}", path.display());
+            }
+            Some(hashes) => {
+                let all = hashes.stretches.len();
+                println!(
+                    "{}{ticks} ticks run, {} of {all} hashes matched; session hash {}",
+                    match session.holds_inputs_only() {
+                        true => "no outputs recorded; ",
+                        false => "",
+                    },
+                    first.map_or(all, |first| first.matched),
+                    found.hashes.session
+                );
             }
         }
-        return Ok(Outcome::Ok);
     }
-    let found = before.map_or_else(Vec::new, |before| deviations(&before, &now, false));
-    print_figures(args, &now, &start, &found)?;
-    if !args.json {
-        let verdict = if found.is_empty() {
-            "all figures are within their tolerances"
-        } else {
-            "figures deviate"
-        };
-        println!(
-            "{} ticks simulated: {verdict} in {}",
-            now.ticks,
-            path.display()
-        );
-    }
-    Ok(if found.is_empty() {
-        Outcome::Ok
-    } else {
-        Outcome::Difference
+    Ok(match same {
+        true => Outcome::Ok,
+        false => Outcome::Difference,
     })
 }
 
-fn print_figures(
+/// Writes what was found, and says what of it has changed.
+fn bless(
     args: &Args,
-    figures: &Figures,
-    start: &Start,
-    found: &[Deviation],
-) -> anyhow::Result<()> {
-    let report_text =
-        serde_json::json!({ "figures": figures, "start": start, "deviations": found }).to_string();
+    hashed: bool,
+    found: Simulation,
+    before: Option<Figures>,
+    path: &Path,
+) -> anyhow::Result<Outcome> {
+    let mut now = found.figures;
+    let mut changed = None;
+    // Hashes that are there do not become stale.
+    let hashed = hashed
+        || before
+            .as_ref()
+            .is_some_and(|before| before.hashes.is_some());
+    now.hashes = hashed.then_some(found.hashes);
+    if let Some(before) = &before {
+        // Tolerances are of the author: they stay.
+        now.tolerances = before.tolerances;
+        changed = Some(deviations(before, &now, true));
+    }
+    if before.as_ref() != Some(&now) {
+        now.write(path)?;
+    }
+    print_figures(
+        args,
+        &FiguresReport {
+            figures: &now,
+            start: &found.start,
+            deviations: changed.clone().unwrap_or_default(),
+            first_difference: None,
+        },
+    )?;
+    if !args.json {
+        let hashes = |figures: Option<&Figures>| {
+            let hashes = figures.and_then(|figures| figures.hashes.clone());
+            hashes.map(|hashes| (hashes.session, hashes.nets, hashes.stretches))
+        };
+        let same = hashes(before.as_ref()) == hashes(Some(&now));
+        match &changed {
+            None => println!("{} was written", path.display()),
+            Some(changed) => println!(
+                "{}: {} figures changed{}",
+                path.display(),
+                changed.len(),
+                if same { "" } else { ", and hashes" }
+            ),
+        }
+    }
+    Ok(Outcome::Ok)
+}
+
+fn print_figures(args: &Args, report: &FiguresReport<'_>) -> anyhow::Result<()> {
+    let report_text = serde_json::to_string(report)?;
     if args.json {
         println!("{report_text}");
     } else {
-        found.iter().for_each(|deviation| println!("{deviation}"));
+        if let Some(Some(first)) = &report.first_difference {
+            println!("first difference in {first}");
+        }
+        let found = report.deviations.iter();
+        found.for_each(|deviation| println!("{deviation}"));
     }
     write_report(args, &report_text)
 }

@@ -2,6 +2,7 @@
 
 use super::container::Container;
 use super::convert::{ConvertError, command_from_proto, tick_from_proto};
+use super::inputs::InputBlock;
 use palpate_geometry::math::SavedState;
 use palpate_proto::recording as pb;
 use palpate_sim::tick::record::{Command, TickRecord};
@@ -24,6 +25,8 @@ pub enum Topic {
     Stats,
     /// Control nets.
     Net,
+    /// What goes into ticks, where it is alone.
+    Inputs,
 }
 
 /// Name of a topic.
@@ -116,9 +119,28 @@ const ROWS: &[ChannelRow] = &[
             }))
         },
     },
+    ChannelRow {
+        topic: Topic::Inputs,
+        name: Name::Whole("/sim/inputs"),
+        message: "Inputs",
+        decode: |data| {
+            let block = InputBlock::from_proto(&pb::Inputs::decode(data)?)?;
+            Ok(Happening::Inputs(block))
+        },
+    },
 ];
 
 impl Topic {
+    /// Those of a whole recording.
+    pub(super) const RECORDED: [Self; 6] = [
+        Self::Tick,
+        Self::Keyframe,
+        Self::Command,
+        Self::Event,
+        Self::Stats,
+        Self::Net,
+    ];
+
     /// `None`: what only viewers read.
     pub(super) fn of(name: &str) -> Option<Self> {
         let row = ROWS.iter().find(|row| match row.name {
@@ -157,14 +179,19 @@ impl Topic {
 pub(super) struct Channels(Vec<(Topic, Vec<u16>)>);
 
 impl Channels {
-    /// Announces all channels with their schemas, for bodies with these ids.
-    pub(super) fn announce<W: Write>(file: &mut Container<W>, bodies: &[&str]) -> Self {
+    /// Announces the channels of topics with their schemas, for bodies with these ids.
+    pub(super) fn announce<W: Write>(
+        file: &mut Container<W>,
+        topics: &[Topic],
+        bodies: &[&str],
+    ) -> Self {
         let mut channel = |row: &ChannelRow, body: &str| {
             let message = format!("palpate.v1.{}", row.message);
             let descriptors = pb::descriptors(&message).unwrap_or_default();
             file.channel(&row.topic.name(body), &message, &descriptors)
         };
-        let rows = ROWS.iter().map(|row| {
+        let rows = topics.iter().map(|topic| {
+            let row = topic.row();
             let numbers = match row.name {
                 Name::Whole(_) => vec![channel(row, "")],
                 Name::PerBody(..) => bodies.iter().map(|body| channel(row, body)).collect(),
@@ -243,6 +270,8 @@ pub enum Happening {
     Event(EventRecord),
     /// A control net after a tick.
     Net(NetRecord),
+    /// Inputs of ticks, alone.
+    Inputs(InputBlock),
     /// A message that no reader uses; `recover` keeps it.
     Other(OtherRecord),
 }
@@ -256,6 +285,7 @@ impl Happening {
             Self::Command(after_tick, _) => *after_tick,
             Self::Event(event) => event.tick,
             Self::Net(net) => net.tick,
+            Self::Inputs(block) => block.tick,
             Self::Other(other) => other.tick,
         }
     }

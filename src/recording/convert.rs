@@ -23,29 +23,50 @@ fn extend(values: &mut Vec<f64>, parts: &[&[f64]]) {
     parts.iter().for_each(|part| values.extend_from_slice(part));
 }
 
+/// Position, orientation, linear and angular velocity.
+pub(super) fn pose_values(pose: &DevicePose) -> [f64; 13] {
+    let mut values = [0.0; 13];
+    let parts = [
+        pose.position.coords.as_slice(),
+        pose.orientation.coords.as_slice(),
+        pose.linear_velocity.as_slice(),
+        pose.angular_velocity.as_slice(),
+    ];
+    let parts = parts.into_iter().flatten();
+    values.iter_mut().zip(parts).for_each(|(to, x)| *to = *x);
+    values
+}
+
+/// The pose of [`pose_values`] again.
+pub(super) fn pose_from_values(
+    seq: u64,
+    t_client_ns: u64,
+    buttons: u32,
+    values: &[f64; 13],
+) -> DevicePose {
+    let mut values = Floats { rest: values };
+    DevicePose {
+        seq,
+        t_client_ns,
+        position: values.point(),
+        orientation: values.rotation(),
+        linear_velocity: values.vector(),
+        angular_velocity: values.vector(),
+        buttons,
+    }
+}
+
 fn pose_to_proto(pose: &DevicePose) -> pb::Pose {
-    let mut values = Vec::with_capacity(13);
-    extend(
-        &mut values,
-        &[
-            pose.position.coords.as_slice(),
-            pose.orientation.coords.as_slice(),
-            pose.linear_velocity.as_slice(),
-            pose.angular_velocity.as_slice(),
-        ],
-    );
     pb::Pose {
         seq: pose.seq,
         t_client_ns: pose.t_client_ns,
-        values,
+        values: pose_values(pose).to_vec(),
         buttons: pose.buttons,
     }
 }
 
 /// Reads fixed groups of floats one after another.
 struct Floats<'a> {
-    tick: u64,
-    what: &'static str,
     rest: &'a [f64],
 }
 
@@ -57,11 +78,7 @@ impl<'a> Floats<'a> {
         len: usize,
     ) -> Result<Self, ConvertError> {
         if values.len() == len {
-            Ok(Self {
-                tick,
-                what,
-                rest: values,
-            })
+            Ok(Self { rest: values })
         } else {
             Err(ConvertError {
                 tick,
@@ -71,7 +88,6 @@ impl<'a> Floats<'a> {
     }
 
     fn take<const N: usize>(&mut self) -> [f64; N] {
-        debug_assert!(self.rest.len() >= N, "{} of tick {}", self.what, self.tick);
         let (head, rest) = self.rest.split_at(N);
         self.rest = rest;
         head.try_into().expect("split at N")
@@ -94,16 +110,13 @@ impl<'a> Floats<'a> {
 }
 
 fn pose_from_proto(tick: u64, pose: &pb::Pose) -> Result<DevicePose, ConvertError> {
-    let mut values = Floats::new(tick, "pose", &pose.values, 13)?;
-    Ok(DevicePose {
-        seq: pose.seq,
-        t_client_ns: pose.t_client_ns,
-        position: values.point(),
-        orientation: values.rotation(),
-        linear_velocity: values.vector(),
-        angular_velocity: values.vector(),
-        buttons: pose.buttons,
-    })
+    let values = Floats::new(tick, "pose", &pose.values, 13)?.take();
+    Ok(pose_from_values(
+        pose.seq,
+        pose.t_client_ns,
+        pose.buttons,
+        &values,
+    ))
 }
 
 /// A record of a scene with `tool_count` tools.

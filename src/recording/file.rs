@@ -7,7 +7,7 @@
 //! touched again. log_time is tick × dt: plots are even and files comparable; publish_time is the
 //! wall clock.
 
-use super::channel::Channels;
+use super::channel::{Channels, Topic};
 use super::container::{Container, MessageHead};
 use super::disk::{Disk, DiskFile, DiskSync, DiskTask};
 use super::format::{
@@ -173,7 +173,7 @@ impl SessionFile {
             }
         }
         let bodies: Vec<&str> = head.bodies.iter().map(|body| body.id.as_str()).collect();
-        let channels = Channels::announce(&mut mcap, &bodies);
+        let channels = Channels::announce(&mut mcap, &Topic::RECORDED, &bodies);
         let views = views.map(|views| views.declared(&mut mcap));
         // Readable from the first moment on, and a full disk shows before anyone relies on the file.
         mcap.end_chunk()?;
@@ -277,10 +277,7 @@ impl SessionFile {
             ("last_tick".to_string(), self.last_tick.to_string()),
             ("ticks".to_string(), self.ticks.to_string()),
             ("final_hash".to_string(), format!("{:016x}", self.last_hash)),
-            (
-                "session_hash".to_string(),
-                format!("{:016x}", self.session.0),
-            ),
+            ("session_hash".to_string(), self.session.to_string()),
             ("dropped_records".to_string(), dropped.to_string()),
             ("skipped_ticks".to_string(), self.skipped.to_string()),
             ("clean".to_string(), (clean && dropped == 0).to_string()),

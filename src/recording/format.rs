@@ -112,6 +112,10 @@ pub(super) const RUN: &str = "palpate.run";
 pub(super) const END: &str = "palpate.end";
 /// Key of both metadata records: [`checksum`] of their other entries. MCAP has none for them.
 pub(super) const CHECK: &str = "check";
+/// Key of the metadata at the start: what is in the file, where that is not everything.
+pub(super) const HOLDS: &str = "holds";
+/// Value of [`HOLDS`]: what goes into ticks, without what came of them.
+pub(super) const HOLDS_INPUTS: &str = "inputs";
 /// The scene before the first tick, `SceneSnapshot`: for pages.
 pub(super) const SNAPSHOT: &str = "scene.snapshot";
 /// Shapes of tools, for pages.

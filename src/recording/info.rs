@@ -47,6 +47,8 @@ pub struct Info {
     pub metadata: BTreeMap<String, String>,
     /// What is missing of the file, if anything was found missing.
     pub cut_short: Option<String>,
+    /// It was reduced to its inputs: forces, stages and hashes are not in it.
+    pub inputs_only: bool,
     /// Commands.
     pub commands: u64,
     /// Where the figures of ticks and channels come from.
@@ -117,6 +119,11 @@ fn of(session: &Session, mut totals: Totals, figures_from: Origin) -> Info {
     let part = part(session);
     let duration_s = totals.ticks as f64 * dt_s;
     let channels = std::mem::take(&mut totals.channels);
+    let inputs_only = session.holds_inputs_only();
+    if inputs_only {
+        totals.session_hash.clear();
+        totals.final_hash.clear();
+    }
     Info {
         path: session.path.display().to_string(),
         scene: run("scene"),
@@ -131,6 +138,7 @@ fn of(session: &Session, mut totals: Totals, figures_from: Origin) -> Info {
         part,
         metadata: session.header.run.clone(),
         cut_short: session.cut_short().map(str::to_owned),
+        inputs_only,
         commands: totals.commands_by_name.values().sum(),
         figures_from,
         file: file_info(session, &channels, duration_s),
@@ -194,6 +202,17 @@ impl fmt::Display for Info {
                 .map(|(name, count)| format!("{count} {name}"))
                 .collect();
             writeln!(f, "  commands: {}", list.join(", "))?;
+        }
+        if self.inputs_only {
+            writeln!(
+                f,
+                "  inputs only: `palpate replay` runs them, with --record it makes a whole recording"
+            )?;
+            for tool in &self.tools {
+                writeln!(f, "  tool {}: {} poses", tool.id, tool.poses)?;
+            }
+            writeln!(f, "  made by {}", self.build)?;
+            return write!(f, "{}", self.file);
         }
         writeln!(
             f,

@@ -133,6 +133,12 @@ pub(crate) fn wall_ns() -> u64 {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SessionHash(pub u64);
 
+impl std::fmt::Display for SessionHash {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{:016x}", self.0)
+    }
+}
+
 impl SessionHash {
     /// Takes the next tick in.
     pub fn push(&mut self, tick: u64, state_hash: u64) {

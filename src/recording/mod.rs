@@ -18,6 +18,7 @@ mod file_info;
 mod format;
 mod head;
 mod info;
+mod inputs;
 mod keeper;
 mod memory;
 mod message;
@@ -43,13 +44,14 @@ pub use export::{
     Bucket, BucketedCurve, ExportError, Range, Series, csv, net_at, ros2_bag, series,
 };
 pub use figures::{
-    BodyFigures, Deviation, Figures, FiguresError, Start, Tolerances, ToolFigures, deviations,
-    simulate_figures,
+    BodyFigures, Deviation, Figures, FiguresError, HashDifference, Hashes, Simulation, Tolerances,
+    ToolFigures, deviations, simulate, simulate_figures,
 };
 pub(crate) use file::part_of;
 pub use file_info::{ChannelInfo, FileInfo};
 pub use format::WriteError;
 pub use info::{Info, Origin, computed_info, info};
+pub use inputs::{InputBlock, InputsError, Reduced, RunError, Start, record_again, reduce};
 pub use message::SessionHash;
 pub(crate) use message::wall_ns;
 pub use parts::Split;

@@ -122,7 +122,7 @@ fn copy(session: &Session, head: &Head, mut file: SessionFile) -> Result<Recover
     })
 }
 
-/// `None`: a net of a body that the scene does not have.
+/// `None`: a net of a body that the scene does not have, or what no whole recording holds.
 pub(super) fn message(happening: &Happening, head: &Head) -> Option<Message> {
     Some(match happening {
         Happening::Tick(record) => Message::tick(record, head.tools.len()),
@@ -139,6 +139,7 @@ pub(super) fn message(happening: &Happening, head: &Head) -> Option<Message> {
             let of = &head.bodies[body];
             Message::net(net.tick, net.revision, body, of, &points)
         }
+        Happening::Inputs(_) => return None,
         Happening::Other(other) => Message::encoded(other.topic, other.tick, other.data.clone()),
     })
 }

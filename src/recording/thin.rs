@@ -96,7 +96,7 @@ fn copy(session: &Session, scene: &Scene, every: u64) -> Result<Vec<u8>, Recover
                 others += 1;
                 (others - 1).is_multiple_of(every)
             }
-            Happening::Keyframe(_) | Happening::Command(..) => false,
+            Happening::Keyframe(_) | Happening::Command(..) | Happening::Inputs(_) => false,
         };
         if let Some(message) = message(&happening, &head).filter(|_| kept) {
             file.put(&message)?;

@@ -7,9 +7,10 @@
 use super::channel::Happening;
 use super::convert::{ConvertError, command_to_proto};
 use super::figures::{ToolFigures, ToolSum};
+use super::inputs::InputBlock;
 use super::message::{Message, SessionHash};
 use crate::drive::stats::{Histogram, LATE_NS, StageHistograms};
-use palpate_sim::tick::record::TickRecord;
+use palpate_sim::tick::record::{Command, TickInput, TickRecord};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -125,12 +126,10 @@ impl Tally {
         match happening {
             Happening::Tick(record) => self.tick(record),
             Happening::Keyframe(keyframe) => self.keyframe(keyframe.tick),
-            Happening::Command(after_tick, command) => {
-                let name = command_to_proto(*after_tick, *command).name;
-                *totals.commands_by_name.entry(name).or_default() += 1;
-            }
+            Happening::Command(after_tick, command) => self.command(*after_tick, *command),
             Happening::Event(_) => totals.events += 1,
             Happening::Net(_) => totals.nets += 1,
+            Happening::Inputs(block) => self.inputs(block),
             Happening::Other(_) => {}
         }
     }
@@ -152,9 +151,14 @@ impl Tally {
         self.totals.first_keyframe.get_or_insert(tick);
     }
 
-    fn tick(&mut self, record: &TickRecord) {
+    fn command(&mut self, after_tick: u64, command: Command) {
+        let name = command_to_proto(after_tick, command).name;
+        *self.totals.commands_by_name.entry(name).or_default() += 1;
+    }
+
+    /// Counts a tick with what went into it.
+    fn input(&mut self, tick: u64, input: &TickInput) {
         let totals = &mut self.totals;
-        let tick = record.output.tick;
         totals.ticks += 1;
         totals.first_tick.get_or_insert(tick);
         if let Some(last) = totals.last_tick {
@@ -162,15 +166,31 @@ impl Tally {
             totals.gaps = totals.gaps.saturating_add(missing);
         }
         totals.last_tick = Some(tick);
+        let poses = input.poses.first(self.tools.len());
+        for ((_, poses), pose) in self.tools.iter_mut().zip(poses) {
+            *poses += u64::from(pose.is_some());
+        }
+    }
+
+    fn inputs(&mut self, block: &InputBlock) {
+        for (after_tick, command) in &block.commands {
+            self.command(*after_tick, *command);
+        }
+        for (tick, input) in (block.tick..).zip(&block.ticks) {
+            self.input(tick, input);
+        }
+    }
+
+    fn tick(&mut self, record: &TickRecord) {
+        let tick = record.output.tick;
+        self.input(tick, &record.input);
+        let totals = &mut self.totals;
         totals.skipped_ticks += u64::from(record.skipped);
         totals.late_ticks += u64::from(record.late_ns > LATE_NS);
         self.session_hash.push(tick, record.output.state_hash);
         self.final_hash = record.output.state_hash;
-        let tools = self.tools.len();
-        let outputs = record.output.tools.first(tools);
-        let outputs = record.input.poses.first(tools).zip(outputs);
-        for ((sum, poses), (pose, output)) in self.tools.iter_mut().zip(outputs) {
-            *poses += u64::from(pose.is_some());
+        let outputs = record.output.tools.first(self.tools.len());
+        for ((sum, _), output) in self.tools.iter_mut().zip(outputs) {
             sum.push(tick, output);
         }
         self.lateness.add(record.late_ns);
@@ -182,7 +202,7 @@ impl Tally {
         let tools = self.tools.iter();
         Totals {
             final_hash: format!("{:016x}", self.final_hash),
-            session_hash: format!("{:016x}", self.session_hash.0),
+            session_hash: self.session_hash.to_string(),
             tools: tools
                 .map(|(sum, poses)| tool(sum.finish(), *poses))
                 .collect(),

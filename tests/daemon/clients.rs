@@ -3,6 +3,7 @@
 //! (`.ci/run` fetches them) and says so where they are not.
 
 use crate::daemon::Daemon;
+use crate::golden::{golden, made_again};
 use palpate::recording::{Session, info};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -49,12 +50,13 @@ fn reading_python() -> Option<String> {
     python_with("mcap, mcap_protobuf", "mcap mcap-protobuf-support")
 }
 
-fn golden_recordings() -> Vec<PathBuf> {
-    let entries = std::fs::read_dir(root().join("recordings/golden")).unwrap();
-    let mut files: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
-    files.retain(|path| path.extension().is_some_and(|ending| ending == "mcap"));
-    files.sort();
+/// Whole recordings: with views and without, of one tool and of several, of rigid bodies and of soft
+/// ones.
+fn whole_recordings() -> Vec<PathBuf> {
+    let mut files = golden();
+    files.retain(|path| Session::open(path).is_ok());
     assert!(files.len() >= 2, "only {files:?}");
+    files.push(made_again("two-hands"));
     files
 }
 
@@ -155,11 +157,18 @@ fn public_readers_decode_every_message_of_every_golden_recording() {
     let Some(python) = reading_python() else {
         return;
     };
-    for file in golden_recordings() {
-        let text = run(Command::new(&python)
-            .arg(root().join("tests/readers/read_all.py"))
-            .arg(&file));
-        let told: Value = serde_json::from_str(&text).unwrap();
+    let read = |file: &Path| -> Value {
+        let script = root().join("tests/readers/read_all.py");
+        serde_json::from_str(&run(Command::new(&python).arg(script).arg(file))).unwrap()
+    };
+    let whole = whole_recordings();
+    for file in golden().iter().filter(|file| !whole.contains(file)) {
+        let inputs = &read(file)["topics"]["/sim/inputs"];
+        assert_eq!(inputs["schema"], "palpate.v1.Inputs", "{}", file.display());
+        assert!(inputs["count"].as_u64() > Some(0), "{}", file.display());
+    }
+    for file in whole {
+        let told = read(&file);
         let session = Session::open(&file).unwrap();
         let figures = info(&session).unwrap();
         let counted = |topic: &str| told["topics"][topic]["count"].as_u64();
@@ -200,7 +209,7 @@ fn the_example_that_reads_recordings_has_our_figures() {
         return;
     };
     let example = root().join("clients/python/examples/read_recording.py");
-    for file in golden_recordings() {
+    for file in whole_recordings() {
         let text = run(Command::new(&python).arg(&example).arg("--json").arg(&file));
         let told: Value = serde_json::from_str(&text).unwrap();
         let figures = info(&Session::open(&file).unwrap()).unwrap();

@@ -8,6 +8,7 @@
 
 use crate::daemon::{Daemon, PROGRAM, free_port};
 use crate::documents::{Block, blocks, root};
+use crate::golden::made_again;
 use palpate_client::testing::TestSession;
 use palpate_client::{Connect, Palpate, pose_at};
 use std::os::unix::fs::PermissionsExt as _;
@@ -65,9 +66,10 @@ fn workplace() -> tempfile::TempDir {
 
 fn add_recording(directory: &Path) {
     let golden = root().join("recordings/golden/rigid-teardrop-press.mcap");
+    let made = made_again("rigid-teardrop-press");
     std::fs::create_dir_all(directory.join("recordings")).unwrap();
     for name in ["session.mcap", "replayed.mcap", "recordings/session.mcap"] {
-        std::fs::copy(&golden, directory.join(name)).unwrap();
+        std::fs::copy(&made, directory.join(name)).unwrap();
     }
     std::fs::copy(
         golden.with_extension("mcap.figures.json"),

@@ -34,6 +34,7 @@ mod golden;
 mod haptic_link;
 mod hostile_bytes;
 mod hostile_files;
+mod inputs;
 mod keeping;
 mod kubernetes;
 mod lobby;

@@ -1,6 +1,7 @@
 //! `palpate play`: recordings on the bus as if they were live.
 
 use crate::daemon::{Daemon, PROGRAM};
+use crate::golden::made_again;
 use palpate::drive::playback::{PlayRequest, playback};
 use palpate::drive::ports::ports;
 use palpate::recording::{
@@ -21,7 +22,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 fn golden() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("recordings/golden/small-lattice-press.mcap")
+    made_again("small-lattice-press")
 }
 
 /// A player in a process of its own, that listens on a free port.

@@ -13,7 +13,7 @@ from mcap.records import Message
 from mcap.writer import Writer
 from read_all import Bad, as_published, read
 
-GOLDEN = Path(__file__).resolve().parents[2] / "recordings" / "golden" / "small-lattice-press.mcap"
+GOLDEN = Path(__file__).resolve().parents[2] / "recordings" / "golden" / "teardrop-tap.mcap"
 TICKS = 20
 
 Change = Callable[[str, Message], Optional[Message]]

@@ -789,7 +789,7 @@ test("two recordings side by side: one timeline, differences in colour, other bu
 });
 
 test("a directory of recordings: each can be chosen", async ({ open, mock }) => {
-  serve(mock, [["tap.mcap", golden("teardrop-tap.mcap")], ["small.mcap", golden("small-lattice-press.mcap")]]);
+  serve(mock, [["tap.mcap", golden("teardrop-tap.mcap")], ["press.mcap", golden("rigid-teardrop-press.mcap")]]);
   const page = await open();
   await played(page);
   assert.equal((await report(page)).playback.last, 700);
@@ -800,7 +800,7 @@ test("a directory of recordings: each can be chosen", async ({ open, mock }) => 
 test("a file dropped on the page is opened", async ({ open }) => {
   const page = await open();
   await ready(page);
-  const bytes = withoutScene(golden("small-lattice-press.mcap")).toString("base64");
+  const bytes = withoutScene(golden("teardrop-tap.mcap")).toString("base64");
   const transfer = await page.evaluateHandle((base64) => {
     const data = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
     const transfer = new DataTransfer();
@@ -1133,7 +1133,9 @@ if (palpate !== undefined) {
   });
 
   test("real: the net at a tick of the timeline is that of `palpate export --net`", async ({ browser, watch, directory }) => {
-    const recording = join(repository, "recordings/golden/small-lattice-press.mcap");
+    const recording = join(directory, "small.mcap");
+    const inputs = join(repository, "recordings/golden/small-lattice-press.inputs.mcap");
+    execFileSync(palpate, ["replay", inputs, "--record", recording], { stdio: "pipe" });
     const running = await daemon(["view", recording], directory);
     try {
       const page = watch(await browser.newPage({ viewport: { width: 1280, height: 800 } }));

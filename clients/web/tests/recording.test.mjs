@@ -1,4 +1,4 @@
-// Recordings in the browser: golden files against the figures stored next to them, and files that are not as they should be.
+// Recordings in the browser: golden files against the figures in them, and files that are not as they should be.
 
 import assert from "node:assert/strict";
 import { readdirSync, readFileSync } from "node:fs";
@@ -11,7 +11,7 @@ const read = (name) => new Uint8Array(readFileSync(new URL(name, folder)));
 const none = async () => null;
 const open = (name, bytes) => page.Recording.open(name, new page.MemorySource(bytes), none);
 
-const names = readdirSync(folder).filter((name) => name.endsWith(".mcap"));
+const names = readdirSync(folder).filter((name) => name.endsWith(".mcap") && !name.endsWith(".inputs.mcap"));
 
 for (const name of names) {
   test(`${name}: forces, depths and energies are those that the server reports`, async () => {

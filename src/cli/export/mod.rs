@@ -3,7 +3,7 @@
 mod plot;
 
 use super::Outcome;
-use crate::recording::{Range, Session, csv, net_at, ros2_bag, series};
+use crate::recording::{Range, Session, csv, net_at, reduce, ros2_bag, series};
 use anyhow::Context as _;
 use palpate_geometry::exchange::{Format, write_mesh, write_surface};
 use palpate_geometry::surface::file::Unit;
@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 const DEFAULT_TOLERANCE: f64 = 1e-3;
 
 #[derive(clap::Args, Debug)]
-#[command(group(clap::ArgGroup::new("what").required(true).multiple(true).args(["csv", "svg", "net", "ros2bag"])))]
+#[command(group(clap::ArgGroup::new("what").required(true).multiple(true).args(["csv", "svg", "net", "ros2bag", "inputs"])))]
 pub struct Args {
     /// Recording file.
     file: PathBuf,
@@ -31,6 +31,10 @@ pub struct Args {
     /// Write poses and forces as a bag of ROS 2 (MCAP) into this new directory.
     #[arg(long, value_name = "DIRECTORY")]
     ros2bag: Option<PathBuf>,
+    /// Write the inputs alone to this new recording, and figures and hashes of what came of them beside
+    /// it: `palpate replay` runs them again.
+    #[arg(long, value_name = "OUT.mcap")]
+    inputs: Option<PathBuf>,
     /// Write the control net of this body as it was after --tick.
     #[arg(long, value_name = "BODY", requires = "tick", requires = "out")]
     net: Option<String>,
@@ -77,6 +81,18 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     }
     if let Some(path) = &args.ros2bag {
         ros2_bag(&session, &range, path).with_context(|| path.display().to_string())?;
+    }
+    if let Some(path) = &args.inputs {
+        let reduced = reduce(&session, path, |_, _| {})?;
+        let hashes = reduced.figures.hashes.as_ref();
+        println!(
+            "{}: {} bytes instead of {}; {} ticks run to the same outputs, session hash {}",
+            path.display(),
+            reduced.bytes,
+            std::fs::metadata(&args.file).map_or(0, |file| file.len()),
+            reduced.figures.ticks,
+            hashes.map_or("", |hashes| &hashes.session),
+        );
     }
     if let (Some(body), Some(tick), Some(path), Some(format)) =
         (&args.net, args.tick, &args.out, format)

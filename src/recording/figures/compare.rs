@@ -239,6 +239,7 @@ mod tests {
                 id: "drop".into(),
                 peak_displacement_m: 2e-3,
             }],
+            hashes: None,
         }
     }
 

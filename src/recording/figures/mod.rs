@@ -4,14 +4,19 @@
 //! Bits are promised by the same build only. What a change of the program may not change, beyond a
 //! tolerance, is written into `FILE.figures.json` beside the recording, with the tolerances, and
 //! held against a new simulation of the same inputs.
+//!
+//! A recording that is reduced to its inputs has hashes there as well: they take the place of its
+//! outputs, in as many bytes as git keeps for each change of them without pain.
 
 mod compare;
+mod hashes;
 mod simulate;
 
 pub use compare::{Deviation, Tolerances, deviations};
-pub use simulate::{Start, simulate_figures};
+pub(super) use hashes::Hasher;
+pub use hashes::{HashDifference, Hashes};
+pub use simulate::{Simulation, simulate, simulate_figures};
 
-use super::replay::ReplayError;
 use palpate_geometry::math::Point3;
 use palpate_proto::text::without_value;
 use palpate_sim::scene::Scene;
@@ -24,29 +29,9 @@ use std::path::{Path, PathBuf};
 /// Layout of the file.
 const FORMAT: &str = "palpate.figures.v1";
 
-/// Why figures could not be made or read.
+/// Why figures could not be read or written.
 #[derive(Debug, thiserror::Error)]
 pub enum FiguresError {
-    /// The session.
-    #[error(transparent)]
-    Replay(#[from] ReplayError),
-    /// Some ticks are not there.
-    #[error("tick {tick} is missing, and figures need every tick from the start of the recording")]
-    Gap {
-        /// First one.
-        tick: u64,
-    },
-    /// Nothing to begin with.
-    #[error(
-        "the keyframe at tick {tick} does not fit this version ({reason}), and only a recording from tick 0 on can begin with the \
-         scene's own start"
-    )]
-    Start {
-        /// Of the first keyframe.
-        tick: u64,
-        /// Why it does not fit.
-        reason: String,
-    },
     /// No figures yet.
     #[error("{}: {source}; `palpate replay FILE --check figures --bless` writes it", path.display())]
     Io {
@@ -54,6 +39,21 @@ pub enum FiguresError {
         path: PathBuf,
         /// Cause.
         source: std::io::Error,
+    },
+    /// Figures alone.
+    #[error("{}: it has no hashes; `palpate replay FILE --check hashes --bless` adds them", .0.display())]
+    NoHashes(PathBuf),
+    /// Figures of another session.
+    #[error("{}: it is of another session: its {what} is {expected:?}, that of this one {found:?}", path.display())]
+    OtherSession {
+        /// The file.
+        path: PathBuf,
+        /// What is another.
+        what: &'static str,
+        /// In the file.
+        expected: String,
+        /// In the session.
+        found: String,
     },
     /// A file of something else.
     #[error("{}: not figures of this version: {reason}", path.display())]
@@ -81,6 +81,9 @@ pub struct Figures {
     pub tools: Vec<ToolFigures>,
     /// By body.
     pub bodies: Vec<BodyFigures>,
+    /// Of all states and outputs, for the build that wrote them and others that give the same bits.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hashes: Option<Hashes>,
 }
 
 /// Figures of a tool.
@@ -234,6 +237,7 @@ impl<'a> Sum<'a> {
             tolerances: Tolerances::default(),
             tools: self.tools.iter().map(ToolSum::finish).collect(),
             bodies: bodies.collect(),
+            hashes: None,
         }
     }
 }
@@ -264,6 +268,48 @@ impl Figures {
         }
         figures.tolerances.check().map_err(wrong)?;
         Ok(figures)
+    }
+
+    /// Hashes of the same session as `now` has them: what goes in is the same, what comes out may
+    /// differ. `path` is for messages.
+    ///
+    /// # Errors
+    /// No hashes, or those of another session.
+    pub fn hashes_of_session(
+        &self,
+        now: &Simulation,
+        path: &Path,
+    ) -> Result<&Hashes, FiguresError> {
+        let path = || path.to_owned();
+        let hashes = self.hashes.as_ref();
+        let hashes = hashes.ok_or_else(|| FiguresError::NoHashes(path()))?;
+        let list = |figures: &Self, hashes: &Hashes| {
+            let ids = figures.tools.iter().map(|tool| tool.id.as_str());
+            let ids = ids.chain(figures.bodies.iter().map(|body| body.id.as_str()));
+            [
+                ("scene", figures.scene.clone()),
+                (
+                    "list of tools and bodies",
+                    ids.collect::<Vec<_>>().join(", "),
+                ),
+                ("number of ticks", figures.ticks.to_string()),
+                ("first tick", hashes.first_tick.to_string()),
+                ("length of stretches", hashes.every.to_string()),
+                ("hash of inputs", hashes.inputs.clone()),
+            ]
+        };
+        let own = list(self, hashes);
+        for ((what, expected), (_, found)) in own.into_iter().zip(list(&now.figures, &now.hashes)) {
+            if expected != found {
+                return Err(FiguresError::OtherSession {
+                    path: path(),
+                    what,
+                    expected,
+                    found,
+                });
+            }
+        }
+        Ok(hashes)
     }
 
     /// Writes them, readable by people.

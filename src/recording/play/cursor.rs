@@ -263,7 +263,10 @@ impl Cursor {
         // comes back at keyframes.
         while let Some(happening) = self.follower.next().transpose()? {
             match happening {
-                Happening::Net(_) | Happening::Event(_) | Happening::Other(_) => {}
+                Happening::Net(_)
+                | Happening::Event(_)
+                | Happening::Inputs(_)
+                | Happening::Other(_) => {}
                 Happening::Keyframe(keyframe)
                     if keyframe.tick == tick && keyframe.commands == 0 =>
                 {

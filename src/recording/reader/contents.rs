@@ -75,7 +75,7 @@ impl Contents {
                 Happening::Command(after_tick, command) => all.commands.push((after_tick, command)),
                 Happening::Net(net) => all.nets.push(net),
                 Happening::Event(event) => all.events.push(event),
-                Happening::Other(_) => {}
+                Happening::Inputs(_) | Happening::Other(_) => {}
             }
         }
         all.cut_short = session.cut_short().map(str::to_owned);

@@ -41,6 +41,12 @@ pub enum ReadError {
         /// Its version.
         found: String,
     },
+    /// Outputs are wanted, and there are none.
+    #[error(
+        "{0}: it holds the inputs of a session, not what came of them; `palpate replay {0} --record OUT.mcap` runs them and makes a \
+         whole recording"
+    )]
+    InputsOnly(PathBuf),
     /// Chunks that this program cannot unpack.
     #[error(
         "{path}: its chunks are compressed with {found:?}, and this program reads zstd and none; write it anew with \

@@ -2,6 +2,7 @@
 
 use super::super::FORMAT_VERSION;
 use super::super::channel::Topic;
+use super::super::format::{HOLDS, HOLDS_INPUTS};
 use super::error::ReadError;
 use super::index::{self, Indexed};
 use super::layout::{Chunk, Layout, SessionHeader};
@@ -62,9 +63,17 @@ impl Session {
     /// chunks it has and whether they are whole.
     ///
     /// # Errors
-    /// Not a file, not MCAP, not ours, or of another format. A file cut short is not an error: see
-    /// [`Session::cut_short`].
+    /// Not a file, not MCAP, not ours, of another format, or reduced to its inputs. A file cut short is
+    /// not an error: see [`Session::cut_short`].
     pub fn open(path: &Path) -> Result<Self, ReadError> {
+        Self::open_any(path)?.with_outputs()
+    }
+
+    /// [`Session::open`], also of a recording that is reduced to its inputs.
+    ///
+    /// # Errors
+    /// As there, but for that.
+    pub fn open_any(path: &Path) -> Result<Self, ReadError> {
         let source = Source::open(path).map_err(|source| io(path, source))?;
         Self::of(path, source)
     }
@@ -74,7 +83,32 @@ impl Session {
     /// # Errors
     /// As there.
     pub fn parse(path: &Path, bytes: &[u8]) -> Result<Self, ReadError> {
+        Self::parse_any(path, bytes)?.with_outputs()
+    }
+
+    /// [`Session::open_any`] on bytes at hand; `path` is for messages.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn parse_any(path: &Path, bytes: &[u8]) -> Result<Self, ReadError> {
         Self::of(path, Source::Memory(bytes.into()))
+    }
+
+    /// The session, if it holds what came of its inputs.
+    ///
+    /// # Errors
+    /// It was reduced to its inputs.
+    pub fn with_outputs(self) -> Result<Self, ReadError> {
+        match self.holds_inputs_only() {
+            true => Err(ReadError::InputsOnly(self.path)),
+            false => Ok(self),
+        }
+    }
+
+    /// It was reduced to what goes into its ticks.
+    pub fn holds_inputs_only(&self) -> bool {
+        let holds = self.header.run.get(HOLDS);
+        holds.is_some_and(|holds| holds == HOLDS_INPUTS)
     }
 
     fn of(path: &Path, source: Source) -> Result<Self, ReadError> {
@@ -177,7 +211,10 @@ impl Session {
 
     /// Ticks in it: counted where the file had to be read through, else as its index says.
     pub fn tick_count(&self) -> u64 {
-        self.message_count(Topic::Tick)
+        match self.holds_inputs_only() {
+            true => self.end_number("ticks").unwrap_or(0),
+            false => self.message_count(Topic::Tick),
+        }
     }
 
     /// Messages of a topic: as [`Session::tick_count`].

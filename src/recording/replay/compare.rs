@@ -4,6 +4,7 @@ use super::super::channel::NetRecord;
 use palpate_geometry::math::Point3;
 use palpate_sim::tick::record::{ContactReport, TickOutput, ToolOutput};
 use serde::Serialize;
+use std::slice::from_ref;
 
 /// The first place where recording and replay part.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -94,72 +95,88 @@ pub(super) fn compare(
             return Some(difference);
         }
     }
-    let fault = |output: &TickOutput| u64::from(output.fault.is_some());
-    let numbers = [
-        ("net_revision", recorded.net_revision, replayed.net_revision),
-        ("fault", fault(recorded), fault(replayed)),
-        ("moving", recorded.moving.into(), replayed.moving.into()),
-        ("quality", recorded.quality.into(), replayed.quality.into()),
-        ("state_hash", recorded.state_hash, replayed.state_hash),
-    ];
-    first_number(tick, &numbers)
+    first_number(tick, &tick_numbers(recorded), &tick_numbers(replayed))
+}
+
+/// Every bit that [`compare`] compares, in order.
+pub(in super::super) fn compared_words(
+    output: &TickOutput,
+    tool_count: usize,
+    mut take: impl FnMut(u64),
+) {
+    let floats = |vectors: &[(&str, &[f64])], take: &mut dyn FnMut(u64)| {
+        let values = vectors.iter().flat_map(|(_, values)| *values);
+        values.for_each(|x| take(x.to_bits()));
+    };
+    for tool in output.tools.first(tool_count) {
+        tool_numbers(tool).iter().for_each(|(_, n)| take(*n));
+        floats(&tool_vectors(tool), &mut take);
+        take(
+            tool.contact
+                .map_or(0, |contact| 1 + u64::from(contact.body)),
+        );
+        if let Some(contact) = &tool.contact {
+            floats(&contact_vectors(contact), &mut take);
+        }
+    }
+    tick_numbers(output).iter().for_each(|(_, n)| take(*n));
+}
+
+fn tick_numbers(output: &TickOutput) -> [(&'static str, u64); 5] {
+    [
+        ("net_revision", output.net_revision),
+        ("fault", output.fault.is_some().into()),
+        ("moving", output.moving.into()),
+        ("quality", output.quality.into()),
+        ("state_hash", output.state_hash),
+    ]
+}
+
+fn tool_numbers(tool: &ToolOutput) -> [(&'static str, u64); 5] {
+    [
+        ("pose_seq", tool.pose_seq),
+        ("t_client_ns", tool.t_client_ns),
+        ("pose_age_ticks", tool.pose_age_ticks.into()),
+        ("flags", tool.flags.into()),
+        ("contact_count", tool.contact_count.into()),
+    ]
+}
+
+fn tool_vectors(tool: &ToolOutput) -> [(&'static str, &[f64]); 8] {
+    [
+        ("force_n", tool.force_n.as_slice()),
+        ("torque_nm", tool.torque_nm.as_slice()),
+        ("proxy_position", tool.proxy_position.coords.as_slice()),
+        (
+            "proxy_orientation",
+            tool.proxy_orientation.coords.as_slice(),
+        ),
+        ("contact_force_n", tool.contact_force_n.as_slice()),
+        ("contact_torque_nm", tool.contact_torque_nm.as_slice()),
+        ("energy_j", from_ref(&tool.energy_j)),
+        ("dissipated_j", from_ref(&tool.dissipated_j)),
+    ]
+}
+
+fn contact_vectors(contact: &ContactReport) -> [(&'static str, &[f64]); 6] {
+    [
+        ("contact.u", from_ref(&contact.u)),
+        ("contact.v", from_ref(&contact.v)),
+        ("contact.point", contact.point.coords.as_slice()),
+        ("contact.normal", contact.normal.as_slice()),
+        ("contact.depth_m", from_ref(&contact.depth_m)),
+        ("contact.force_n", contact.force_n.as_slice()),
+    ]
 }
 
 fn compare_tool(tick: u64, a: &ToolOutput, b: &ToolOutput) -> Option<Difference> {
-    let numbers = [
-        ("pose_seq", a.pose_seq, b.pose_seq),
-        ("t_client_ns", a.t_client_ns, b.t_client_ns),
-        (
-            "pose_age_ticks",
-            a.pose_age_ticks.into(),
-            b.pose_age_ticks.into(),
-        ),
-        ("flags", a.flags.into(), b.flags.into()),
-        (
-            "contact_count",
-            a.contact_count.into(),
-            b.contact_count.into(),
-        ),
-    ];
-    let vectors = [
-        ("force_n", a.force_n.as_slice(), b.force_n.as_slice()),
-        ("torque_nm", a.torque_nm.as_slice(), b.torque_nm.as_slice()),
-        (
-            "proxy_position",
-            a.proxy_position.coords.as_slice(),
-            b.proxy_position.coords.as_slice(),
-        ),
-        (
-            "proxy_orientation",
-            a.proxy_orientation.coords.as_slice(),
-            b.proxy_orientation.coords.as_slice(),
-        ),
-        (
-            "contact_force_n",
-            a.contact_force_n.as_slice(),
-            b.contact_force_n.as_slice(),
-        ),
-        (
-            "contact_torque_nm",
-            a.contact_torque_nm.as_slice(),
-            b.contact_torque_nm.as_slice(),
-        ),
-        (
-            "energy_j",
-            std::slice::from_ref(&a.energy_j),
-            std::slice::from_ref(&b.energy_j),
-        ),
-        (
-            "dissipated_j",
-            std::slice::from_ref(&a.dissipated_j),
-            std::slice::from_ref(&b.dissipated_j),
-        ),
-    ];
-    first_number(tick, &numbers)
-        .or_else(|| first_vector(tick, "", &vectors))
+    first_number(tick, &tool_numbers(a), &tool_numbers(b))
+        .or_else(|| first_vector(tick, &tool_vectors(a), &tool_vectors(b)))
         .or_else(|| match (&a.contact, &b.contact) {
             (None, None) => None,
-            (Some(a), Some(b)) if a.body == b.body => compare_contact(tick, a, b),
+            (Some(a), Some(b)) if a.body == b.body => {
+                first_vector(tick, &contact_vectors(a), &contact_vectors(b))
+            }
             (a, b) => {
                 let body = |contact: &Option<ContactReport>| {
                     contact.map_or("none".into(), |c| format!("body {}", c.body))
@@ -174,23 +191,6 @@ fn compare_tool(tick: u64, a: &ToolOutput, b: &ToolOutput) -> Option<Difference>
                 })
             }
         })
-}
-
-fn compare_contact(tick: u64, a: &ContactReport, b: &ContactReport) -> Option<Difference> {
-    let one = std::slice::from_ref;
-    let vectors = [
-        ("u", one(&a.u), one(&b.u)),
-        ("v", one(&a.v), one(&b.v)),
-        (
-            "point",
-            a.point.coords.as_slice(),
-            b.point.coords.as_slice(),
-        ),
-        ("normal", a.normal.as_slice(), b.normal.as_slice()),
-        ("depth_m", one(&a.depth_m), one(&b.depth_m)),
-        ("force_n", a.force_n.as_slice(), b.force_n.as_slice()),
-    ];
-    first_vector(tick, "contact.", &vectors)
 }
 
 /// Equal in body, revision and every bit of every point.
@@ -221,13 +221,13 @@ pub(super) fn compare_net(recorded: &NetRecord, net: &[Point3]) -> Option<Differ
     ))
 }
 
-fn first_number(tick: u64, pairs: &[(&str, u64, u64)]) -> Option<Difference> {
-    let (name, a, b) = pairs.iter().find(|(_, a, b)| a != b)?;
+fn first_number(tick: u64, a: &[(&str, u64)], b: &[(&str, u64)]) -> Option<Difference> {
+    let ((name, a), (_, b)) = a.iter().zip(b).find(|(a, b)| a != b)?;
     Some(Difference::of_numbers(tick, name, *a, *b))
 }
 
-fn first_vector(tick: u64, prefix: &str, pairs: &[(&str, &[f64], &[f64])]) -> Option<Difference> {
-    pairs.iter().find_map(|(name, a, b)| {
+fn first_vector(tick: u64, a: &[(&str, &[f64])], b: &[(&str, &[f64])]) -> Option<Difference> {
+    a.iter().zip(b).find_map(|((name, a), (_, b))| {
         let k = a
             .iter()
             .zip(*b)
@@ -239,7 +239,7 @@ fn first_vector(tick: u64, prefix: &str, pairs: &[(&str, &[f64], &[f64])]) -> Op
         };
         Some(Difference::of_floats(
             tick,
-            format!("{prefix}{name}{part}"),
+            format!("{name}{part}"),
             a[k],
             b[k],
         ))

@@ -16,6 +16,7 @@ mod stretches;
 mod team;
 
 pub use compare::Difference;
+pub(super) use compare::compared_words;
 pub use divergence::Divergence;
 pub use error::ReplayError;
 pub use scene::recorded_scene;
@@ -191,7 +192,7 @@ pub fn replay_with(
     report.clean = session.is_whole();
     let elapsed_s = started.elapsed().as_secs_f64();
     report.realtime_factor = report.ticks_matched as f64 * scene.dt_s / elapsed_s.max(1e-9);
-    report.session_hash = format!("{:016x}", session_hash.0);
+    report.session_hash = session_hash.to_string();
     Ok(report)
 }
 

@@ -140,7 +140,10 @@ impl<'a> Runner<'a> {
                 Happening::Net(net) if at.state == Some(net.tick) && at.keyframe.is_none() => {
                     self.recorded_net(&net, &mut found)
                 }
-                Happening::Net(_) | Happening::Event(_) | Happening::Other(_) => None,
+                Happening::Net(_)
+                | Happening::Event(_)
+                | Happening::Inputs(_)
+                | Happening::Other(_) => None,
             };
             if let Some(difference) = parted {
                 found.divergence = Some(self.part(difference, follower.place())?);

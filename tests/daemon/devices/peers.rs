@@ -227,7 +227,7 @@ fn rosbags_and_mcap_ros2_read_a_bag_with_the_forces_of_the_recording() {
     let done = Command::new(PROGRAM)
         .args(["export", "--ros2bag"])
         .arg(&soft)
-        .arg(root().join("recordings/golden/small-lattice-press.mcap"))
+        .arg(root().join("recordings/golden/teardrop-tap.mcap"))
         .output()
         .unwrap();
     assert_eq!(done.status.code(), Some(0));
