@@ -1,6 +1,7 @@
 //! `palpate replay`: the recorded inputs through the same step.
 
 use super::Outcome;
+use super::waiting::Progress;
 use crate::recording::{
     Deviation, Figures, ReplayOptions, ReplayReport, Session, Start, deviations, replay_with,
     simulate_figures,
@@ -55,30 +56,22 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         "--bless writes figures: add --check figures"
     );
     let session = Session::open(&args.file)?;
-    let bar = if std::io::IsTerminal::is_terminal(&std::io::stderr()) {
-        indicatif::ProgressBar::new(session.tick_count())
-    } else {
-        indicatif::ProgressBar::hidden()
-    };
-    let progress = |done, all| {
-        bar.set_length(all);
-        bar.set_position(done);
-    };
     match args.check {
-        Check::Bits => bits(args, &session, progress),
-        Check::Figures => figures(args, &session, progress),
+        Check::Bits => bits(args, &session),
+        Check::Figures => figures(args, &session),
     }
-    .inspect(|_| bar.finish_and_clear())
 }
 
-fn bits(args: &Args, session: &Session, progress: impl FnMut(u64, u64)) -> anyhow::Result<Outcome> {
+fn bits(args: &Args, session: &Session) -> anyhow::Result<Outcome> {
     let defaults = ReplayOptions::default();
     let options = ReplayOptions {
         from: args.from,
         until: args.until.unwrap_or(defaults.until),
         jobs: args.jobs.map_or(defaults.jobs, usize::from),
     };
-    let report = replay_with(session, &options, progress)?;
+    let progress = Progress::begin("ticks", None);
+    let report = replay_with(session, &options, |done, all| progress.show(done, all))?;
+    drop(progress);
     let report_text = serde_json::to_string(&report)?;
     if args.json {
         println!("{report_text}");
@@ -158,7 +151,6 @@ fn write_report(args: &Args, report_text: &str) -> anyhow::Result<()> {
 fn figures(
     args: &Args,
     session: &Session,
-    progress: impl FnMut(u64, u64),
 ) -> anyhow::Result<Outcome> {
     let path = Figures::path_for(&args.file);
     let before = if args.bless {
@@ -166,7 +158,9 @@ fn figures(
     } else {
         Some(Figures::read(&path)?)
     };
-    let (mut now, start) = simulate_figures(session, progress)?;
+    let progress = Progress::begin("ticks", None);
+    let (mut now, start) = simulate_figures(session, |done, all| progress.show(done, all))?;
+    drop(progress);
     if let Start::Scene { reason } = &start {
         eprintln!(
             "note: the first keyframe does not fit this version ({reason}); the replay started from the scene's initial state"
