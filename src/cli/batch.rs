@@ -1,12 +1,12 @@
 //! `palpate batch`: many runs of a scene, over its values, motions and seeds.
 
 use super::Outcome;
+use super::waiting::Progress;
 use crate::batch::{Cache, Format, Settings, Sweep, Table};
 use anyhow::Context as _;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
-use std::sync::Mutex;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Without a terminal: a line at most this often.
 const LINE: Duration = Duration::from_secs(5);
@@ -106,9 +106,11 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         shard: args.shard,
         cache,
     };
-    let progress = Progress::begin();
-    let batch = sweep.run(&settings, |done, all| progress.tell(done, all));
-    progress.end();
+    let progress = Progress::begin("runs", Some(LINE));
+    let batch = sweep.run(&settings, |done, all| {
+        progress.show(done as u64, all as u64)
+    });
+    drop(progress);
     let table = Table::new(plan, &batch.rows, args.timings);
     for (path, format) in args.output.iter().zip(formats) {
         table.write(path, format)?;
@@ -137,39 +139,4 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         return Ok(Outcome::Fault);
     }
     Ok(Outcome::Ok)
-}
-
-/// How far it is, on stderr: a bar on a terminal, a line now and then elsewhere.
-struct Progress {
-    bar: Option<indicatif::ProgressBar>,
-    told: Mutex<Instant>,
-}
-
-impl Progress {
-    fn begin() -> Self {
-        let terminal = std::io::IsTerminal::is_terminal(&std::io::stderr());
-        Self {
-            bar: terminal.then(|| indicatif::ProgressBar::new(0)),
-            told: Mutex::new(Instant::now()),
-        }
-    }
-
-    fn tell(&self, done: usize, all: usize) {
-        if let Some(bar) = &self.bar {
-            bar.set_length(all as u64);
-            bar.set_position(done as u64);
-            return;
-        }
-        let mut told = (self.told.lock()).unwrap_or_else(std::sync::PoisonError::into_inner);
-        if told.elapsed() >= LINE {
-            *told = Instant::now();
-            eprintln!("{done} of {all} runs");
-        }
-    }
-
-    fn end(&self) {
-        if let Some(bar) = &self.bar {
-            bar.finish_and_clear();
-        }
-    }
 }

@@ -1,6 +1,7 @@
 //! `palpate replay`: the recorded inputs through the same step.
 
 use super::Outcome;
+use super::waiting::Progress;
 use crate::recording::{
     Deviation, Figures, HashDifference, ReplayOptions, ReplayReport, Session, Simulation, Start,
     deviations, record_again, replay_with, simulate,
@@ -66,29 +67,17 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         !args.bless || check != Check::Bits,
         "--bless writes figures or hashes: add --check figures or --check hashes"
     );
-    let bar = if std::io::IsTerminal::is_terminal(&std::io::stderr()) {
-        indicatif::ProgressBar::new(session.tick_count())
-    } else {
-        indicatif::ProgressBar::hidden()
-    };
-    let progress = |done, all| {
-        bar.set_length(all);
-        bar.set_position(done);
-    };
     match (&args.record, check) {
-        (Some(target), _) => record(&session, target, progress),
-        (None, Check::Bits) => bits(args, &session, progress),
-        (None, Check::Figures | Check::Hashes) => figures(args, check, &session, progress),
+        (Some(target), _) => record(&session, target),
+        (None, Check::Bits) => bits(args, &session),
+        (None, Check::Figures | Check::Hashes) => figures(args, check, &session),
     }
-    .inspect(|_| bar.finish_and_clear())
 }
 
-fn record(
-    session: &Session,
-    target: &Path,
-    progress: impl FnMut(u64, u64),
-) -> anyhow::Result<Outcome> {
-    let summary = record_again(session, target, progress)?;
+fn record(session: &Session, target: &Path) -> anyhow::Result<Outcome> {
+    let progress = Progress::begin("ticks", None);
+    let summary = record_again(session, target, |done, all| progress.show(done, all))?;
+    drop(progress);
     println!(
         "{}: {} ticks, session hash {:016x}",
         target.display(),
@@ -108,14 +97,16 @@ fn whole(session: &Session) -> Outcome {
     Outcome::Fault
 }
 
-fn bits(args: &Args, session: &Session, progress: impl FnMut(u64, u64)) -> anyhow::Result<Outcome> {
+fn bits(args: &Args, session: &Session) -> anyhow::Result<Outcome> {
     let defaults = ReplayOptions::default();
     let options = ReplayOptions {
         from: args.from,
         until: args.until.unwrap_or(defaults.until),
         jobs: args.jobs.map_or(defaults.jobs, usize::from),
     };
-    let report = replay_with(session, &options, progress)?;
+    let progress = Progress::begin("ticks", None);
+    let report = replay_with(session, &options, |done, all| progress.show(done, all))?;
+    drop(progress);
     let report_text = serde_json::to_string(&report)?;
     if args.json {
         println!("{report_text}");
@@ -203,18 +194,15 @@ struct FiguresReport<'a> {
     first_difference: Option<Option<HashDifference>>,
 }
 
-fn figures(
-    args: &Args,
-    check: Check,
-    session: &Session,
-    progress: impl FnMut(u64, u64),
-) -> anyhow::Result<Outcome> {
+fn figures(args: &Args, check: Check, session: &Session) -> anyhow::Result<Outcome> {
     let path = Figures::path_for(&args.file);
     let before = match Figures::read(&path) {
         Err(_) if args.bless => None,
         read => Some(read?),
     };
-    let found = simulate(session, progress)?;
+    let progress = Progress::begin("ticks", None);
+    let found = simulate(session, |done, all| progress.show(done, all))?;
+    drop(progress);
     if let Start::Scene {
         reason: Some(reason),
     } = &found.start

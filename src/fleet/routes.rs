@@ -12,11 +12,10 @@ use super::keeper::{Ask, Refusal, Session};
 use super::shelf::{Offer, Shelf};
 use axum::Router;
 use axum::body::Body;
-use axum::extract::{Path, State};
+use axum::extract::{Path, Request, State};
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
-use axum::{Json, extract::Request};
 use serde_json::json;
 use std::sync::mpsc::Sender;
 use std::time::Duration;
@@ -52,7 +51,7 @@ pub(super) fn routes(asks: Sender<Ask>, shelf: Shelf) -> Router {
 async fn scenes(State(desk): State<Desk>) -> Response {
     let offers = tokio::task::spawn_blocking(move || desk.shelf.offers()).await;
     let offers: Vec<Offer> = offers.unwrap_or_default();
-    Json(offers).into_response()
+    json_answer(StatusCode::OK, &offers)
 }
 
 async fn start(State(desk): State<Desk>, request: Request) -> Response {
@@ -70,12 +69,8 @@ async fn start(State(desk): State<Desk>, request: Request) -> Response {
     match answer {
         Ok(session) => {
             let place = format!("/sessions/{}", session.id);
-            (
-                StatusCode::CREATED,
-                [(header::LOCATION, place)],
-                Json(session),
-            )
-                .into_response()
+            let answer = json_answer(StatusCode::CREATED, &session);
+            ([(header::LOCATION, place)], answer).into_response()
         }
         Err(refusal) => refuse(&refusal),
     }
@@ -113,7 +108,7 @@ async fn sessions(desk: &Desk) -> Option<Vec<Session>> {
 
 async fn list(State(desk): State<Desk>) -> Response {
     match sessions(&desk).await {
-        Some(sessions) => Json(sessions).into_response(),
+        Some(sessions) => json_answer(StatusCode::OK, &sessions),
         None => refuse(&Refusal::Closing),
     }
 }
@@ -123,7 +118,7 @@ async fn one(State(desk): State<Desk>, Path(id): Path<String>) -> Response {
         return refuse(&Refusal::Closing);
     };
     match sessions.into_iter().find(|session| session.id == id) {
-        Some(session) => Json(session).into_response(),
+        Some(session) => json_answer(StatusCode::OK, &session),
         None => no_session(),
     }
 }
@@ -156,7 +151,15 @@ fn no_session() -> Response {
 }
 
 fn problem(status: StatusCode, reason: &str) -> Response {
-    (status, Json(json!({ "error": reason }))).into_response()
+    json_answer(status, &json!({ "error": reason }))
+}
+
+fn json_answer(status: StatusCode, body: &impl serde::Serialize) -> Response {
+    let kind = [(header::CONTENT_TYPE, "application/json")];
+    match serde_json::to_string(body) {
+        Ok(text) => (status, kind, text).into_response(),
+        Err(error) => (StatusCode::INTERNAL_SERVER_ERROR, error.to_string()).into_response(),
+    }
 }
 
 fn refuse(refusal: &Refusal) -> Response {
@@ -164,11 +167,11 @@ fn refuse(refusal: &Refusal) -> Response {
     match refusal {
         Refusal::Unknown { scenes, .. } => {
             let body = json!({ "error": reason, "scenes": scenes });
-            (StatusCode::NOT_FOUND, Json(body)).into_response()
+            json_answer(StatusCode::NOT_FOUND, &body)
         }
         Refusal::Full { max, retry_after } => {
             let body = json!({ "error": reason, "max": max });
-            let mut response = (StatusCode::SERVICE_UNAVAILABLE, Json(body)).into_response();
+            let mut response = json_answer(StatusCode::SERVICE_UNAVAILABLE, &body);
             let seconds = HeaderValue::from(retry_after.as_secs().max(1));
             response.headers_mut().insert(header::RETRY_AFTER, seconds);
             response

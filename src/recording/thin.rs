@@ -4,7 +4,7 @@
 //! read are left out. It does not replay.
 
 use super::channel::Happening;
-use super::disk::FileSystem;
+use super::disk::InMemory;
 use super::file::SessionFile;
 use super::head::{Head, Shown};
 use super::reader::{Follower, Session};
@@ -30,7 +30,7 @@ pub struct Thinned {
 /// The recording in at most `most` bytes: whole if it fits, else thinned. `scene` is its scene.
 ///
 /// # Errors
-/// A recording that cannot be read, or no room for a copy in the temporary directory.
+/// A recording that cannot be read.
 pub fn thinned(session: &Session, scene: &Scene, most: u64) -> Result<Thinned, RecoverError> {
     let whole = session.file_bytes();
     if whole <= most {
@@ -68,13 +68,13 @@ fn io(path: &Path, source: std::io::Error) -> RecoverError {
 }
 
 fn copy(session: &Session, scene: &Scene, every: u64) -> Result<Vec<u8>, RecoverError> {
-    let directory = tempfile::tempdir().map_err(|source| io(&std::env::temp_dir(), source))?;
-    let path = directory.path().join("thinned.mcap");
+    let memory = InMemory::default();
+    let path = Path::new("thinned.mcap");
     let mut head: Head = head_of(session, Some(scene), ("thinned_from", &session.path));
     head.extra.insert("thinned_every".into(), every.to_string());
     // The page that it goes into has them beside it.
     head.shown = Shown::default();
-    let mut file = SessionFile::create(&FileSystem, &path, &head, &[], None)?;
+    let mut file = SessionFile::create_as(&memory, path.into(), path, &head, &[], None)?;
     let net_ticks = (NET_S * every as f64 / scene.dt_s) as u64;
     let mut others = 0_u64;
     let mut last_net = BTreeMap::<String, u64>::new();
@@ -103,5 +103,5 @@ fn copy(session: &Session, scene: &Scene, every: u64) -> Result<Vec<u8>, Recover
         }
     }
     file.finish(0, false, &[])?.wait()?;
-    read(&path)
+    Ok(memory.take())
 }

@@ -3,14 +3,7 @@
 use super::clients::ClientCounts;
 use crate::drive::overload::CAUSES;
 use palpate_proto::messages::{LoopState, LoopStatus, Quantiles, ToolLink};
-use prometheus_client::collector::Collector;
-use prometheus_client::encoding::{DescriptorEncoder, EncodeLabelSet, EncodeMetric, text};
-use prometheus_client::metrics::MetricType;
-use prometheus_client::metrics::counter::ConstCounter;
-use prometheus_client::metrics::gauge::ConstGauge;
-use prometheus_client::metrics::info::Info;
-use prometheus_client::registry::{Registry, Unit};
-use std::fmt::Error;
+use std::fmt::{Display, Write as _};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// What came of messages that an adapter took from other programs: tool, what became of them, how many.
@@ -74,352 +67,186 @@ pub struct LoopMetrics {
 impl LoopMetrics {
     /// OpenMetrics text.
     pub fn text(&self) -> String {
-        let mut registry = Registry::with_prefix("palpate");
-        registry.register_collector(Box::new(self.clone()));
-        let mut out = String::new();
-        // Writing into a string does not fail.
-        let _ = text::encode(&mut out, &registry);
-        out
+        let mut out = Exposition::default();
+        self.write_loop(&mut out);
+        self.write_tools(&mut out);
+        self.write_clients(&mut out);
+        out.0.push_str("# EOF\n");
+        out.0
     }
 
-    fn tools(&self) -> impl Iterator<Item = (usize, &str)> {
-        self.status
-            .tools
-            .iter()
-            .enumerate()
-            .map(|(t, tool)| (t, tool.tool.as_str()))
-    }
-}
-
-type ToolCount = fn(&ToolLink) -> u64;
-type Label<'a> = [(&'static str, &'a str); 1];
-
-/// One value without labels.
-fn one(
-    encoder: &mut DescriptorEncoder<'_>,
-    name: &str,
-    help: &str,
-    unit: Option<&Unit>,
-    metric: &impl EncodeMetric,
-) -> Result<(), Error> {
-    metric.encode(encoder.encode_descriptor(name, help, unit, metric.metric_type())?)
-}
-
-/// One value for each set of labels.
-fn many<L: EncodeLabelSet, M: EncodeMetric>(
-    encoder: &mut DescriptorEncoder<'_>,
-    name: &str,
-    help: &str,
-    unit: Option<&Unit>,
-    kind: MetricType,
-    values: impl IntoIterator<Item = (L, M)>,
-) -> Result<(), Error> {
-    let mut family = encoder.encode_descriptor(name, help, unit, kind)?;
-    for (labels, metric) in values {
-        metric.encode(family.encode_family(&labels)?)?;
-    }
-    Ok(())
-}
-
-fn quantiles(values: &Quantiles) -> [(Label<'static>, ConstGauge<f64>); 3] {
-    let gauge = |ns: u64| ConstGauge::new(ns as f64 * 1e-9);
-    [
-        ([("quantile", "0.5")], gauge(values.p50_ns)),
-        ([("quantile", "0.99")], gauge(values.p99_ns)),
-        ([("quantile", "1")], gauge(values.max_ns)),
-    ]
-}
-
-impl Collector for LoopMetrics {
-    fn encode(&self, mut encoder: DescriptorEncoder<'_>) -> Result<(), Error> {
-        let e = &mut encoder;
+    fn write_loop(&self, out: &mut Exposition) {
         let status = &self.status;
-        let (hertz, seconds) = (Unit::Other("hertz".into()), Unit::Seconds);
-        let count = |value: u64| ConstCounter::new(value);
-        let gauge = |value: u64| ConstGauge::new(value as i64);
-        let (version, instance, scene) = (env!("CARGO_PKG_VERSION"), &self.instance, &self.scene);
-        let words = vec![
-            ("version", version),
-            ("instance", instance.as_str()),
-            ("scene", scene.as_str()),
+        let words = [
+            ("version", env!("CARGO_PKG_VERSION")),
+            ("instance", &*self.instance),
+            ("scene", &*self.scene),
         ];
-        one(e, "build", "What runs here", None, &Info::new(words))?;
+        out.family("build", "What runs here", "", INFO, [(words, 1)]);
+        let one = |value: u64| [(NONE, value)];
         let help = "Endpoints where others than this machine and holders of identities may come in";
-        one(e, "open_endpoints", help, None, &gauge(self.open))?;
-        one(e, "loop_ticks", "Ticks run", None, &count(status.tick))?;
-        one(
-            e,
-            "loop_late_ticks",
-            "Ticks that began more than 100 us late",
-            None,
-            &count(status.late_ticks),
-        )?;
-        one(
-            e,
-            "loop_skipped_ticks",
-            "Deadlines dropped",
-            None,
-            &count(status.skipped_ticks),
-        )?;
-        one(
-            e,
-            "loop_rate",
-            "Nominal rate",
-            Some(&hertz),
-            &ConstGauge::new(status.rate_hz),
-        )?;
-        one(
-            e,
-            "loop_measured_rate",
-            "Ticks a second by the clock; below half the nominal rate forces fade",
-            Some(&hertz),
-            &ConstGauge::new(self.measured_hz),
-        )?;
-        one(
-            e,
-            "loop_forces_overtaken",
-            "Ticks whose forces were not sent because newer ones were there",
-            None,
-            &count(self.overtaken),
-        )?;
+        out.family("open_endpoints", help, "", GAUGE, one(self.open));
         let state = match status.state {
             LoopState::Running => 0,
             LoopState::Paused => 1,
             LoopState::Stopping => 2,
         };
-        one(
-            e,
-            "loop_state",
-            "0 running, 1 paused, 2 stopping",
-            None,
-            &gauge(state),
-        )?;
-        one(
-            e,
-            "loop_quality",
-            "Level of quality, 0 is full",
-            None,
-            &gauge(status.quality_level.into()),
-        )?;
-        let help = "Time between tick starts over the last status period";
-        many(
-            e,
-            "loop_period",
-            help,
-            Some(&seconds),
-            MetricType::Gauge,
-            quantiles(&status.period),
-        )?;
-        let help = "Time in a tick over the last status period";
-        many(
-            e,
-            "loop_step",
-            help,
-            Some(&seconds),
-            MetricType::Gauge,
-            quantiles(&status.step),
-        )?;
-        let overruns = CAUSES
-            .iter()
-            .zip(self.overruns)
-            .map(|(cause, value)| ([("stage", *cause)], count(value)));
-        many(
-            e,
-            "loop_overruns",
-            "Ticks longer than their period",
-            None,
-            MetricType::Counter,
-            overruns,
-        )?;
-        one(
-            e,
-            "bus_drops",
-            "Records that the bus did not take in time",
-            None,
-            &count(self.bus_drops),
-        )?;
-        one(e, "events", "Events published", None, &count(self.events))?;
-        one(
-            e,
-            "recorder_state",
-            "0 off, 1 recording, 2 ring, 3 failed",
-            None,
-            &gauge(status.recorder as u64),
-        )?;
-        let help = "Bytes written by the recorder";
-        one(
-            e,
-            "recorder_written",
-            help,
-            Some(&Unit::Bytes),
-            &count(status.recorder_bytes),
-        )?;
-        one(
-            e,
-            "recorder_drops",
-            "Records lost by the recorder",
-            None,
-            &count(status.recorder_drops),
-        )?;
-        self.encode_tools(e)
-    }
-}
-
-impl LoopMetrics {
-    /// What reaches the client of each tool, where it says so.
-    fn encode_clients(&self, e: &mut DescriptorEncoder<'_>) -> Result<(), Error> {
-        let clients = || {
-            let clients = self.tools().zip(&self.clients);
-            clients.filter_map(|((_, tool), counts)| Some((tool, counts.as_ref()?)))
-        };
-        type Read = fn(&ClientCounts) -> u64;
-        let counters: [(&str, &str, Read); 2] = [
+        let counts = [
+            ("loop_ticks", "Ticks run", status.tick),
+            ("loop_late_ticks", "Ticks that began more than 100 us late", status.late_ticks),
+            ("loop_skipped_ticks", "Deadlines dropped", status.skipped_ticks),
             (
-                "client_forces_published",
-                "Forces sent to the client that holds a tool, since it has it",
-                |counts| counts.published,
+                "loop_forces_overtaken",
+                "Ticks whose forces were not sent because newer ones were there",
+                self.overtaken,
             ),
-            (
-                "client_forces_received",
-                "Forces that reached it, as it says",
-                |counts| counts.received,
-            ),
+            ("bus_drops", "Records that the bus did not take in time", self.bus_drops),
+            ("events", "Events published", self.events),
+            ("recorder_drops", "Records lost by the recorder", status.recorder_drops),
         ];
-        for (name, help, value) in counters {
-            let values = clients().map(|(tool, counts)| {
-                let labels = [("tool", tool), ("client", counts.client.as_str())];
-                (labels, ConstCounter::new(value(counts)))
-            });
-            many(e, name, help, None, MetricType::Counter, values)?;
+        for (name, help, value) in counts {
+            out.family(name, help, "", COUNTER, one(value));
         }
-        let ages = clients().flat_map(|(tool, counts)| {
-            let quantiles = ["0.5", "0.99", "1"].into_iter().zip(counts.age_ns);
-            quantiles.map(move |(quantile, ns)| {
-                let client = counts.client.as_str();
-                let labels = [("tool", tool), ("client", client), ("quantile", quantile)];
-                (labels, ConstGauge::new(ns as f64 * 1e-9))
-            })
-        });
-        let help =
-            "Age of the newest force that a client had when it sent a pose, as that pose arrived";
-        let (seconds, kind) = (Unit::Seconds, MetricType::Gauge);
-        many(e, "client_force_age", help, Some(&seconds), kind, ages)
+        let help = "Bytes written by the recorder";
+        out.family("recorder_written", help, "bytes", COUNTER, one(status.recorder_bytes));
+        let gauges = [
+            ("loop_state", "0 running, 1 paused, 2 stopping", state),
+            ("loop_quality", "Level of quality, 0 is full", status.quality_level.into()),
+            ("recorder_state", "0 off, 1 recording, 2 ring, 3 failed", status.recorder as u64),
+        ];
+        for (name, help, value) in gauges {
+            out.family(name, help, "", GAUGE, one(value));
+        }
+        out.family("loop_rate", "Nominal rate", "hertz", GAUGE, [(NONE, status.rate_hz)]);
+        let help = "Ticks a second by the clock; below half the nominal rate forces fade";
+        out.family("loop_measured_rate", help, "hertz", GAUGE, [(NONE, self.measured_hz)]);
+        let help = "Time between tick starts over the last status period";
+        out.family("loop_period", help, "seconds", GAUGE, quantiles(&status.period));
+        let help = "Time in a tick over the last status period";
+        out.family("loop_step", help, "seconds", GAUGE, quantiles(&status.step));
+        let stages = CAUSES.iter().zip(self.overruns);
+        let overruns = stages.map(|(stage, value)| ([("stage", *stage)], value));
+        out.family("loop_overruns", "Ticks longer than their period", "", COUNTER, overruns);
     }
 
-    fn encode_tools(&self, e: &mut DescriptorEncoder<'_>) -> Result<(), Error> {
-        let tools = &self.status.tools;
-        let of = |values: &[u64], t: usize| ConstCounter::new(values.get(t).copied().unwrap_or(0));
-        let counters: [(&str, &str, ToolCount); 4] = [
-            ("tool_poses_received", "Poses taken", |tool| tool.received),
+    fn write_tools(&self, out: &mut Exposition) {
+        type Read = fn(&LoopMetrics, usize, &ToolLink) -> u64;
+        let at = |values: &[u64], t: usize| values.get(t).copied().unwrap_or(0);
+        let counters: [(&str, &str, Read); 8] = [
+            ("tool_poses_received", "Poses taken", |_, _, tool| tool.received),
             (
                 "tool_poses_superseded",
                 "Poses that a newer one replaced before a tick used them",
-                |tool| tool.superseded,
+                |_, _, tool| tool.superseded,
+            ),
+            ("tool_poses_jumped", "Poses that the loop refused as a jump", |_, _, tool| tool.jumps),
+            ("tool_stale_ticks", "Ticks whose newest pose was stale", |_, _, tool| tool.stale_ticks),
+            ("tool_forces_published", "Forces sent to devices", |_, _, tool| tool.forces_sent),
+            (
+                "tool_poses_of_strangers",
+                "Poses of clients that did not hold the tool",
+                |all, t, _| at(&all.strangers, t),
             ),
             (
-                "tool_poses_jumped",
-                "Poses that the loop refused as a jump",
-                |tool| tool.jumps,
+                "tool_forces_suppressed",
+                "Forces left out by a deadband",
+                |all, t, _| at(&all.suppressed, t),
             ),
             (
-                "tool_stale_ticks",
-                "Ticks whose newest pose was stale",
-                |tool| tool.stale_ticks,
+                "tool_descriptions_refused",
+                "Descriptions of devices that were dropped",
+                |all, t, _| at(&all.descriptions_refused, t),
             ),
         ];
-        for (name, help, value) in counters {
-            let values = tools.iter().map(|tool| {
-                (
-                    [("tool", tool.tool.as_str())],
-                    ConstCounter::new(value(tool)),
-                )
-            });
-            many(e, name, help, None, MetricType::Counter, values)?;
+        let tools = &self.status.tools;
+        for (name, help, read) in counters {
+            let values = tools.iter().enumerate();
+            let values = values.map(|(t, tool)| ([("tool", &*tool.tool)], read(self, t, tool)));
+            out.family(name, help, "", COUNTER, values);
         }
         let refused = tools.iter().flat_map(|tool| {
-            let labels = |cause| [("tool", tool.tool.as_str()), ("cause", cause)];
-            tool.refused()
-                .map(|(cause, value)| (labels(cause), ConstCounter::new(value)))
+            let labels = |cause| [("tool", &*tool.tool), ("cause", cause)];
+            tool.refused().map(move |(cause, value)| (labels(cause), value))
         });
-        many(
-            e,
-            "tool_poses_refused",
-            "Poses dropped before the loop",
-            None,
-            MetricType::Counter,
-            refused,
-        )?;
-        let adapters = self.adapters.iter().map(|(tool, what, value)| {
-            let labels = [("tool", tool.as_str()), ("outcome", *what)];
-            (labels, ConstCounter::new(*value))
-        });
+        out.family("tool_poses_refused", "Poses dropped before the loop", "", COUNTER, refused);
+        let energy = tools.iter().map(|tool| ([("tool", &*tool.tool)], tool.energy_j));
+        out.family("tool_energy", "Net work of the hand", "joules", GAUGE, energy);
+        let adapters = self.adapters.iter();
+        let adapters = adapters.map(|(tool, what, n)| ([("tool", &**tool), ("outcome", *what)], *n));
         let help = "Poses of ROS 2 drivers, by what became of them";
-        many(e, "ros2_poses", help, None, MetricType::Counter, adapters)?;
-        let published = tools.iter().map(|tool| {
-            (
-                [("tool", tool.tool.as_str())],
-                ConstCounter::new(tool.forces_sent),
-            )
+        out.family("ros2_poses", help, "", COUNTER, adapters);
+    }
+
+    /// What reaches the client of each tool, where it says so.
+    fn write_clients(&self, out: &mut Exposition) {
+        let clients = || {
+            let clients = self.status.tools.iter().zip(&self.clients);
+            clients.filter_map(|(tool, counts)| Some((&*tool.tool, counts.as_ref()?)))
+        };
+        let labels = |tool, counts: &ClientCounts| [("tool", tool), ("client", &*counts.client)];
+        let published = clients().map(|(tool, counts)| (labels(tool, counts), counts.published));
+        let help = "Forces sent to the client that holds a tool, since it has it";
+        out.family("client_forces_published", help, "", COUNTER, published);
+        let received = clients().map(|(tool, counts)| (labels(tool, counts), counts.received));
+        let help = "Forces that reached it, as it says";
+        out.family("client_forces_received", help, "", COUNTER, received);
+        let ages = clients().flat_map(|(tool, counts)| {
+            QUANTILES.into_iter().zip(counts.age_ns).map(move |(quantile, ns)| {
+                let labels = [("tool", tool), ("client", &*counts.client), ("quantile", quantile)];
+                (labels, ns as f64 * 1e-9)
+            })
         });
-        let help = "Forces sent to devices";
-        many(
-            e,
-            "tool_forces_published",
-            help,
-            None,
-            MetricType::Counter,
-            published,
-        )?;
-        self.encode_clients(e)?;
-        let strangers = self
-            .tools()
-            .map(|(t, id)| ([("tool", id)], of(&self.strangers, t)));
-        let help = "Poses of clients that did not hold the tool";
-        many(
-            e,
-            "tool_poses_of_strangers",
-            help,
-            None,
-            MetricType::Counter,
-            strangers,
-        )?;
-        let suppressed = self
-            .tools()
-            .map(|(t, id)| ([("tool", id)], of(&self.suppressed, t)));
-        let help = "Forces left out by a deadband";
-        many(
-            e,
-            "tool_forces_suppressed",
-            help,
-            None,
-            MetricType::Counter,
-            suppressed,
-        )?;
-        let refused = self
-            .tools()
-            .map(|(t, id)| ([("tool", id)], of(&self.descriptions_refused, t)));
-        let help = "Descriptions of devices that were dropped";
-        many(
-            e,
-            "tool_descriptions_refused",
-            help,
-            None,
-            MetricType::Counter,
-            refused,
-        )?;
-        let energy = tools.iter().map(|tool| {
-            (
-                [("tool", tool.tool.as_str())],
-                ConstGauge::new(tool.energy_j),
-            )
-        });
-        many(
-            e,
-            "tool_energy",
-            "Net work of the hand",
-            Some(&Unit::Joules),
-            MetricType::Gauge,
-            energy,
-        )
+        let help = "Age of the newest force that a client had when it sent a pose, as that pose arrived";
+        out.family("client_force_age", help, "seconds", GAUGE, ages);
+    }
+}
+
+const NONE: [(&str, &str); 0] = [];
+const QUANTILES: [&str; 3] = ["0.5", "0.99", "1"];
+
+fn quantiles(values: &Quantiles) -> impl Iterator<Item = ([(&'static str, &'static str); 1], f64)> {
+    let values = [values.p50_ns, values.p99_ns, values.max_ns].map(|ns| ns as f64 * 1e-9);
+    QUANTILES.into_iter().zip(values).map(|(quantile, s)| ([("quantile", quantile)], s))
+}
+
+/// A kind of family: its name in a `TYPE` line, and what its samples' names end in.
+type Kind = (&'static str, &'static str);
+const COUNTER: Kind = ("counter", "_total");
+const GAUGE: Kind = ("gauge", "");
+const INFO: Kind = ("info", "_info");
+
+/// Families of metrics in the text format of OpenMetrics 1.0.
+#[derive(Default)]
+struct Exposition(String);
+
+impl Exposition {
+    /// Writes a family with all its samples. Its name gets the prefix of the program and the unit, if it has one.
+    fn family<const N: usize, V: Display>(
+        &mut self,
+        name: &str,
+        help: &str,
+        unit: &str,
+        (kind, ending): Kind,
+        samples: impl IntoIterator<Item = ([(&'static str, impl AsRef<str>); N], V)>,
+    ) {
+        let join = if unit.is_empty() { "" } else { "_" };
+        let name = format!("palpate_{name}{join}{unit}");
+        let out = &mut self.0;
+        // Writing into a string does not fail.
+        let _ = writeln!(out, "# HELP {name} {help}.\n# TYPE {name} {kind}");
+        if !unit.is_empty() {
+            let _ = writeln!(out, "# UNIT {name} {unit}");
+        }
+        for (labels, value) in samples {
+            out.push_str(&name);
+            out.push_str(ending);
+            for (l, (key, text)) in labels.iter().enumerate() {
+                let open = if l == 0 { '{' } else { ',' };
+                let text = text.as_ref().replace('\\', r"\\").replace('"', "\\\"").replace('\n', r"\n");
+                let _ = write!(out, "{open}{key}=\"{text}\"");
+            }
+            out.push_str(if N == 0 { "" } else { "}" });
+            let _ = writeln!(out, " {value}");
+        }
     }
 }

@@ -31,6 +31,7 @@ pub use deformation::{
 pub use faults::{FaultOptions, faults};
 pub use figure::{Bar, Figure, figures_table};
 pub use modeling::modeling;
+pub use peers::LEFT_OUT;
 pub use recording::{RecorderOptions, record_until_killed, recording};
 pub use relay::{RelayOptions, SubscriberOptions, relay, subscribers};
 pub use soak::{SoakOptions, soak};

@@ -4,7 +4,7 @@
 use anyhow::Context;
 use clap::Parser;
 use palpate_bench::{
-    Effort, FaultOptions, Figure, HardRow, RecorderOptions, RelayOptions, Row, SoakOptions,
+    Effort, FaultOptions, Figure, HardRow, LEFT_OUT, RecorderOptions, RelayOptions, Row, SoakOptions,
     SubscriberOptions, contact, deformation, faults, figures_table, haptics, hard_cases,
     hard_table, modeling, pareto, picture, plasticine_picture, plasticine_table,
     record_until_killed, recording, relay, soak, subscribers, surface, table, viewer,
@@ -209,6 +209,10 @@ fn run(args: &Cli) -> anyhow::Result<()> {
     if !options.json {
         let plasticine = plasticine_table(&sweeps);
         print!("{}{plasticine}{}", table(&rows), hard_table(&hard));
+        let compared = matches!(&args.suite, Suite::Surface(_) | Suite::Deformation { .. });
+        if let Some(left_out) = LEFT_OUT.filter(|_| compared) {
+            eprintln!("{left_out}");
+        }
     }
     if let Some(path) = svg {
         let deforming = matches!(&args.suite, Suite::Deformation { .. });

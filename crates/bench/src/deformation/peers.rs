@@ -34,6 +34,7 @@ pub(super) fn rows(
         .filter(|(scale, _)| !hurried || [1.0, 1000.0].contains(scale))
     {
         let case = format!("indent/12/{label}");
+        #[cfg(feature = "peers")]
         if wanted(&format!("indent/12/rapier3d/{label}")) || wanted(&format!("{case}/rapier3d")) {
             rapier(&case, scale, effort, out);
         }
@@ -55,6 +56,7 @@ fn ticks(effort: Effort) -> [usize; 2] {
     }
 }
 
+#[cfg(feature = "peers")]
 fn rapier(case: &str, scale: f64, effort: Effort, out: &mut dyn FnMut(Row)) {
     use super::super::measure::clocked;
     use super::super::peers::rapier::{SoftBox, Solver};

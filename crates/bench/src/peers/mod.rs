@@ -1,13 +1,16 @@
 //! Other libraries, each behind one small adapter.
 
+#[cfg(feature = "peers")]
 mod curvo;
 #[cfg(feature = "occt")]
 mod occt;
 mod parry;
 pub(super) mod python;
+#[cfg(feature = "peers")]
 pub(super) mod rapier;
 #[cfg(feature = "sisl")]
 mod sisl;
+#[cfg(feature = "peers")]
 mod truck;
 
 use palpate_geometry::math::{Point3, Vector3};
@@ -43,11 +46,20 @@ pub(super) fn quietly<T>(work: impl FnOnce() -> T) -> T {
     answer
 }
 
-/// All of them, with one surface.
+/// Libraries that this build leaves out, and how to build with them; none if it has them all.
+pub const LEFT_OUT: Option<&str> = if cfg!(feature = "peers") {
+    None
+} else {
+    Some("curvo, rapier3d and truck are not in this build; to compare with them, add --features peers")
+};
+
+/// All that this build has, with one surface.
 pub(super) fn all(surface: &Surface) -> Vec<Box<dyn Peer>> {
     vec![
         Box::new(parry::Parry::new(surface)),
+        #[cfg(feature = "peers")]
         Box::new(curvo::Curvo::new(surface)),
+        #[cfg(feature = "peers")]
         Box::new(truck::Truck::new(surface)),
         #[cfg(feature = "sisl")]
         Box::new(sisl::Sisl::new(surface)),

@@ -1,6 +1,5 @@
 //! The scene file, as data. TOML; SI units; unknown keys are refused.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 mod body;
@@ -20,7 +19,8 @@ pub use surface::SurfaceSpec;
 pub use tool::*;
 
 /// A whole scene file.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct SceneSpec {
     /// Name shown to people; the file's stem when absent.
@@ -34,11 +34,11 @@ pub struct SceneSpec {
     pub gravity: GravitySpec,
     /// The bodies, at least one.
     #[serde(rename = "body")]
-    #[schemars(length(min = 1))]
+    #[cfg_attr(test, schemars(length(min = 1)))]
     pub bodies: Vec<BodySpec>,
     /// The tools, at most 64.
     #[serde(default, rename = "tool")]
-    #[schemars(length(max = 64))]
+    #[cfg_attr(test, schemars(length(max = 64)))]
     pub tools: Vec<ToolSpec>,
     /// Exceptions to the rule that every tool touches every body, found exactly.
     #[serde(default, rename = "contact")]
@@ -81,11 +81,12 @@ impl SceneSpec {
 }
 
 /// `[loop]`: rate and clock of the simulation.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct LoopSpec {
     /// Ticks per second.
-    #[schemars(range(min = 1, max = 10_000))]
+    #[cfg_attr(test, schemars(range(min = 1, max = 10_000)))]
     pub rate_hz: u32,
     /// What makes a tick due.
     pub clock: Clock,
@@ -101,7 +102,8 @@ impl Default for LoopSpec {
 }
 
 /// What makes a tick due.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Clock {
     /// The wall clock: one tick per period.
@@ -112,18 +114,19 @@ pub enum Clock {
 }
 
 /// `[gravity]`: acceleration of all bodies, and a tool that carries them.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct GravitySpec {
     /// Acceleration of gravity in the world.
-    #[schemars(extend("x-unit" = "m/s²"))]
+    #[cfg_attr(test, schemars(extend("x-unit" = "m/s²")))]
     pub acceleration: [f64; 3],
     /// Id of a tool that carries all bodies: the scene is seen from it, and bodies feel how it
     /// tilts and shakes. That tool touches nothing itself.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frame: Option<String>,
     /// Time constant with which that tool's velocities are smoothed.
-    #[schemars(range(min = 0))]
+    #[cfg_attr(test, schemars(range(min = 0)))]
     pub smoothing_s: f64,
 }
 
@@ -138,11 +141,12 @@ impl Default for GravitySpec {
 }
 
 /// A placement: rotate, then translate.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct PoseSpec {
     /// Translation.
-    #[schemars(extend("x-unit" = "m"))]
+    #[cfg_attr(test, schemars(extend("x-unit" = "m")))]
     pub position: [f64; 3],
     /// Rotation as a unit quaternion x, y, z, w.
     pub orientation: [f64; 4],
@@ -158,7 +162,8 @@ impl Default for PoseSpec {
 }
 
 /// `[[contact]]`: how one pair is tested, or that it never touches.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ContactSpec {
     /// Id of a tool or a body, then id of a body.
@@ -168,7 +173,7 @@ pub struct ContactSpec {
     pub method: ContactMethod,
     /// Of `spheres`: points in u and v over the whole surface; 82 × 82 when absent.
     #[serde(default)]
-    #[schemars(inner(range(min = 4, max = 1_000)))]
+    #[cfg_attr(test, schemars(inner(range(min = 4, max = 1_000))))]
     pub resolution: Option<[usize; 2]>,
     /// Friction of this pair, in place of the tool's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -176,12 +181,13 @@ pub struct ContactSpec {
     /// Of two rigid bodies of which one is free: with how much of the speed at which they meet they part; 0
     /// when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 0, max = 1))]
+    #[cfg_attr(test, schemars(range(min = 0, max = 1)))]
     pub restitution: Option<f64>,
 }
 
 /// How a pair is tested.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum ContactMethod {
     /// Certified queries on the surface itself.
@@ -197,19 +203,20 @@ pub enum ContactMethod {
 pub const SPHERES_RESOLUTION: [usize; 2] = [82, 82];
 
 /// `[record]`: what recordings contain.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct RecordSpec {
     /// Time between keyframes, from which a replay can start.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[cfg_attr(test, schemars(extend("exclusiveMinimum" = 0)))]
     pub keyframe_s: f64,
     /// Control nets per second at most, in recordings; clients get 60.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[cfg_attr(test, schemars(extend("exclusiveMinimum" = 0)))]
     pub net_hz: f64,
     /// Also record what other viewers show: transforms, meshes and points in Foxglove schemas.
     pub views: bool,
     /// Rate of these views at most.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[cfg_attr(test, schemars(extend("exclusiveMinimum" = 0)))]
     pub view_hz: f64,
 }
 

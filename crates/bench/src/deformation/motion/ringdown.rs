@@ -35,6 +35,7 @@ pub(super) fn rows(effort: Effort, wanted: &dyn Fn(&str) -> bool, out: &mut dyn 
                         out(ours(&case, &beam, setting, &exact));
                     }
                     if model == "continuum" {
+                        #[cfg(feature = "peers")]
                         rapier(&case, &beam, &exact, effort, out);
                         mujoco(&case, &beam, &exact, effort, out);
                     }
@@ -186,6 +187,7 @@ fn ours(case: &str, beam: &Strip, setting: Setting, exact: &Exact) -> Row {
 /// The same beam on the same points by rapier3d. Its cells are tetrahedra and its step is its own, so
 /// its own converged step would swing differently (substeps also damp less); it states neither. The
 /// error is therefore not drawn beside ours.
+#[cfg(feature = "peers")]
 fn rapier(case: &str, beam: &Strip, exact: &Exact, effort: Effort, out: &mut dyn FnMut(Row)) {
     use crate::peers::rapier::{SoftBeam, Solver};
     // In a hurry only what swings or dies out soon: a path that is cut short has other errors.

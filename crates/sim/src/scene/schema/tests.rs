@@ -6,6 +6,21 @@ use serde_json::{Map, Value, json};
 use std::collections::BTreeSet;
 use std::path::Path;
 
+#[test]
+fn the_file_is_what_the_types_say() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/scene/schema/scene.schema.json");
+    let text = serde_json::to_string_pretty(&super::generate::generated()).unwrap() + "\n";
+    if std::env::var_os("BLESS").is_some() {
+        std::fs::write(&path, &text).unwrap();
+    }
+    let file = std::fs::read_to_string(&path).unwrap();
+    assert!(
+        file == text,
+        "{} is not what the types say: BLESS=1 cargo test -p palpate-sim --lib the_file_is_what_the_types_say",
+        path.display()
+    );
+}
+
 /// The schema that another refers to, or itself.
 fn resolved<'s>(root: &'s Value, schema: &'s Value) -> &'s Value {
     let whole = schema

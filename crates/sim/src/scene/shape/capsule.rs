@@ -6,19 +6,19 @@ use crate::scene::door::At;
 use palpate_geometry::contact::ToolShape;
 use palpate_geometry::contact::implicit::{ImplicitError, ImplicitShape};
 use palpate_geometry::surface::Mesh;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// `capsule = { radius_m = 0.004, half_length_m = 0.02 }`: every point within `radius_m` of a
 /// segment on the tool's z axis, half of it on each side of the reference point.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Capsule {
     /// Radius.
-    #[schemars(range(min = 1e-9, max = 1e9))]
+    #[cfg_attr(test, schemars(range(min = 1e-9, max = 1e9)))]
     pub radius_m: f64,
     /// Half the length of the segment, without the round ends.
-    #[schemars(range(min = 1e-9, max = 1e9))]
+    #[cfg_attr(test, schemars(range(min = 1e-9, max = 1e9)))]
     pub half_length_m: f64,
 }
 

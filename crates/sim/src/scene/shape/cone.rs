@@ -6,19 +6,19 @@ use crate::scene::door::At;
 use palpate_geometry::contact::ToolShape;
 use palpate_geometry::contact::implicit::ImplicitShape;
 use palpate_geometry::surface::Mesh;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// `cone = { half_angle_rad = 0.3, height_m = 0.02 }`: its tip is the reference point, and it opens
 /// towards the tool's +z.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Cone {
     /// Angle between axis and side, below π/2.
-    #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = std::f64::consts::FRAC_PI_2))]
+    #[cfg_attr(test, schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = std::f64::consts::FRAC_PI_2)))]
     pub half_angle_rad: f64,
     /// From tip to base.
-    #[schemars(range(min = 1e-9, max = 1e9))]
+    #[cfg_attr(test, schemars(range(min = 1e-9, max = 1e9)))]
     pub height_m: f64,
 }
 

@@ -7,15 +7,15 @@ use palpate_geometry::contact::ToolShape;
 use palpate_geometry::contact::implicit::ImplicitShape;
 use palpate_geometry::math::Point3;
 use palpate_geometry::surface::Mesh;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// `box = { half_extents_m = [0.01, 0.02, 0.005] }`: around the reference point.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Cuboid {
     /// Half of each edge.
-    #[schemars(inner(range(min = 1e-9, max = 1e9)))]
+    #[cfg_attr(test, schemars(inner(range(min = 1e-9, max = 1e9))))]
     pub half_extents_m: [f64; 3],
 }
 

@@ -6,19 +6,19 @@ use crate::scene::door::At;
 use palpate_geometry::contact::ToolShape;
 use palpate_geometry::contact::implicit::ImplicitShape;
 use palpate_geometry::surface::Mesh;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// `cylinder = { radius_m = 0.005 }`: a round bar along the tool's z axis, around its reference
 /// point.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Cylinder {
     /// Radius.
-    #[schemars(range(min = 1e-9, max = 1e9))]
+    #[cfg_attr(test, schemars(range(min = 1e-9, max = 1e9)))]
     pub radius_m: f64,
     /// Half the length; without it the bar has no ends.
-    #[schemars(range(min = 1e-9, max = 1e9))]
+    #[cfg_attr(test, schemars(range(min = 1e-9, max = 1e9)))]
     #[serde(default)]
     pub half_length_m: Option<f64>,
 }

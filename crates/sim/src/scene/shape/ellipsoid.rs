@@ -6,15 +6,15 @@ use crate::scene::door::At;
 use palpate_geometry::contact::ToolShape;
 use palpate_geometry::contact::implicit::ImplicitShape;
 use palpate_geometry::surface::Mesh;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// `ellipsoid = { semi_axes_m = [0.01, 0.01, 0.02] }`: around the reference point.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Ellipsoid {
     /// Semi-axes along the tool's x, y, z.
-    #[schemars(inner(range(min = 1e-9, max = 1e9)))]
+    #[cfg_attr(test, schemars(inner(range(min = 1e-9, max = 1e9))))]
     pub semi_axes_m: [f64; 3],
 }
 

@@ -6,19 +6,19 @@ use crate::scene::door::At;
 use palpate_geometry::contact::ToolShape;
 use palpate_geometry::contact::implicit::ImplicitShape;
 use palpate_geometry::surface::Mesh;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// `implicit = { f = "x^2 + y^2 + 4*z^2 - 1e-4", reach_m = 0.02 }`: the solid in which a function is
 /// at most 0.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Implicit {
     /// Function of x, y, z in metres, in the tool's frame: `"x^2 + y^2 + 4*z^2 - 1e-4"`.
     pub f: String,
     /// Distance from the reference point that contains the whole solid; without it the tool is
     /// tested against everything.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[cfg_attr(test, schemars(extend("exclusiveMinimum" = 0)))]
     #[serde(default)]
     pub reach_m: Option<f64>,
 }

@@ -9,13 +9,13 @@ use palpate_geometry::exchange::{self, Format};
 use palpate_geometry::math::Point3;
 use palpate_geometry::surface::Mesh;
 use palpate_geometry::surface::file::Unit;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
 /// `mesh = { file = "probe.stl", unit = "mm" }`: a closed triangle mesh in the tool's frame, from exactly one of
 /// `file`, `inline`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct MeshSpec {
     /// An STL, OBJ, PLY or glTF (.glb) file, relative to the scene file.
@@ -30,18 +30,20 @@ pub struct MeshSpec {
 }
 
 /// A mesh in place.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct InlineMesh {
     /// Corners.
-    #[schemars(extend("x-unit" = "m"))]
+    #[cfg_attr(test, schemars(extend("x-unit" = "m")))]
     pub vertices: Vec<[f64; 3]>,
     /// Indices of corners, from 0, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
 }
 
 /// Length unit of a mesh file, which has none of its own.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum MeshUnit {
     /// The mesh file is in metres.

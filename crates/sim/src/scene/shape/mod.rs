@@ -21,7 +21,6 @@ mod torus;
 use super::door::At;
 use palpate_geometry::contact::ToolShape;
 use palpate_geometry::contact::implicit::{ImplicitError, ImplicitShape};
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub(super) use interface::Shape;
@@ -43,7 +42,8 @@ macro_rules! shapes {
         /// Shape of a tool: `shape = { point = {} }`, `{ sphere = { radius_m = 0.01 } }`,
         /// `{ plane = { normal = [0, 0, 1] } }`, `{ surface = { builtin = "torus" } }`,
         /// `{ cylinder = { radius_m = 0.005 } }`, `{ mesh = { file = "probe.stl" } }` …
-        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+        #[cfg_attr(test, derive(schemars::JsonSchema))]
         #[serde(deny_unknown_fields)]
         pub enum ShapeSpec {
             $($(#[$doc])* #[serde(rename = $name)] $variant($spec)),*

@@ -6,18 +6,18 @@ use crate::scene::door::At;
 use palpate_geometry::contact::ToolShape;
 use palpate_geometry::contact::implicit::ImplicitShape;
 use palpate_geometry::surface::Mesh;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// `torus = { major_radius_m = 0.02, minor_radius_m = 0.005 }`: a ring around the tool's z axis.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Torus {
     /// From the centre to the middle of the tube.
-    #[schemars(range(min = 1e-9, max = 1e9))]
+    #[cfg_attr(test, schemars(range(min = 1e-9, max = 1e9)))]
     pub major_radius_m: f64,
     /// Radius of the tube.
-    #[schemars(range(min = 1e-9, max = 1e9))]
+    #[cfg_attr(test, schemars(range(min = 1e-9, max = 1e9)))]
     pub minor_radius_m: f64,
 }
 

@@ -2,15 +2,15 @@
 
 use super::{ModelSpec, MotionSpec, PoseSpec, SurfaceSpec};
 use palpate_geometry::math::Point3;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// `[[body]]`: a body bounded by one B-spline surface.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct BodySpec {
     /// Name of the body: 1 to 64 of a-z, 0-9, `_`, `-`.
-    #[schemars(regex(pattern = r"^[a-z0-9_-]{1,64}$"))]
+    #[cfg_attr(test, schemars(regex(pattern = r"^[a-z0-9_-]{1,64}$")))]
     pub id: String,
     /// Where its surface comes from.
     pub surface: SurfaceSpec,
@@ -37,18 +37,18 @@ pub struct BodySpec {
     pub fixed: Vec<FixedSpec>,
     /// Velocity with which a body starts that nothing holds, deforming or free; in the world.
     #[serde(default, skip_serializing_if = "is_zero")]
-    #[schemars(extend("x-default" = "[0, 0, 0]"))]
+    #[cfg_attr(test, schemars(extend("x-default" = "[0, 0, 0]")))]
     pub velocity_m_s: [f64; 3],
     /// Angular velocity about its centre of mass with which it starts; in the world, right-handed.
     #[serde(default, skip_serializing_if = "is_zero")]
-    #[schemars(extend("x-default" = "[0, 0, 0]"))]
+    #[cfg_attr(test, schemars(extend("x-default" = "[0, 0, 0]")))]
     pub spin_rad_s: [f64; 3],
     /// Whether the body can touch itself.
     #[serde(default)]
     pub self_contact: bool,
     /// Of a rigid body with a closed surface: it has a mass, falls, turns, and contact moves it.
     #[serde(default, skip_serializing_if = "is_false")]
-    #[schemars(extend("x-default" = "false"))]
+    #[cfg_attr(test, schemars(extend("x-default" = "false")))]
     pub free: bool,
     /// Of a rigid body: where it goes by itself.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -75,29 +75,30 @@ impl BodySpec {
 }
 
 /// `[body.material]`: a preset, and what differs from it.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct MaterialSpec {
     /// Name of a material to start from; `gel` when absent.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("enum" = crate::body::PRESETS.map(|preset| preset.name)))]
+    #[cfg_attr(test, schemars(extend("enum" = crate::body::PRESETS.map(|preset| preset.name))))]
     pub preset: Option<String>,
     /// Young's modulus E; that of the preset when absent.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[cfg_attr(test, schemars(extend("exclusiveMinimum" = 0)))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub young_pa: Option<f64>,
     /// Poisson's ratio ν; that of the preset when absent. A lattice of springs has 1/4 and a membrane 1/3 whatever
     /// it says.
-    #[schemars(range(min = 0, max = 0.499))]
+    #[cfg_attr(test, schemars(range(min = 0, max = 0.499)))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub poisson: Option<f64>,
     /// Density; that of the preset when absent.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[cfg_attr(test, schemars(extend("exclusiveMinimum" = 0)))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub density_kg_m3: Option<f64>,
     /// Stiffness-proportional (Voigt) damping time: a strain rate ε̇ adds the stress of a strain
     /// of this times ε̇. That of the preset when absent.
-    #[schemars(range(min = 0))]
+    #[cfg_attr(test, schemars(range(min = 0)))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damping_s: Option<f64>,
     /// Plastic flow of springs or cells; that of the preset when absent.
@@ -112,25 +113,26 @@ pub struct MaterialSpec {
 }
 
 /// `plastic = { yield_strain = 0.02, rate_per_s = 20.0 }`: springs or cells that keep a part of their strain.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct PlasticSpec {
     /// Strain up to which nothing flows: of a spring, or of a bar of the material that is drawn.
-    #[schemars(range(min = 0))]
+    #[cfg_attr(test, schemars(range(min = 0)))]
     pub yield_strain: f64,
     /// Share of the strain beyond yield that flows in a second; 0 for none.
-    #[schemars(range(min = 0))]
+    #[cfg_attr(test, schemars(range(min = 0)))]
     pub rate_per_s: f64,
     /// Growth of the yield strain per plastic strain so far.
-    #[schemars(range(min = 0))]
+    #[cfg_attr(test, schemars(range(min = 0)))]
     #[serde(default)]
     pub hardening: f64,
     /// Largest plastic change of a length, relative to that at first.
-    #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
+    #[cfg_attr(test, schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1)))]
     #[serde(default = "plastic_limit")]
     pub limit: f64,
     /// Flow is shared with springs or cells within this distance.
-    #[schemars(range(min = 0))]
+    #[cfg_attr(test, schemars(range(min = 0)))]
     #[serde(default)]
     pub spread_m: f64,
 }
@@ -140,20 +142,21 @@ fn plastic_limit() -> f64 {
 }
 
 /// `stiffening = { strain = 0.3, ratio = 5.0, least_length = 0.2 }`: springs that stiffen with strain.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct StiffeningSpec {
     /// Strain in extension from which springs are stiffer; `inf`: never.
-    #[schemars(range(min = 0), extend("x-default" = "inf"))]
+    #[cfg_attr(test, schemars(range(min = 0), extend("x-default" = "inf")))]
     pub strain: f64,
     /// Stiffness there, relative to that at rest.
-    #[schemars(range(min = 1, max = 1_000))]
+    #[cfg_attr(test, schemars(range(min = 1, max = 1_000)))]
     pub ratio: f64,
     /// Length below which coils touch, relative to the rest length.
-    #[schemars(range(min = 0), extend("exclusiveMaximum" = 1))]
+    #[cfg_attr(test, schemars(range(min = 0), extend("exclusiveMaximum" = 1)))]
     pub least_length: f64,
     /// Stiffness there, relative to that at rest.
-    #[schemars(range(min = 1, max = 1_000))]
+    #[cfg_attr(test, schemars(range(min = 1, max = 1_000)))]
     pub least_length_ratio: f64,
 }
 
@@ -169,7 +172,8 @@ impl Default for StiffeningSpec {
 }
 
 /// How the stiffness of springs follows from E.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum SpringsSpec {
     /// Such that the body as a whole has that modulus.
@@ -181,7 +185,8 @@ pub enum SpringsSpec {
 
 /// `[[body.region]]`: cells of another material, by their centres, in the body's frame. Needs one of
 /// `ball`, `box`; values that are absent are those of the body.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct RegionSpec {
     /// Cells within a ball.
@@ -191,15 +196,15 @@ pub struct RegionSpec {
     #[serde(default, rename = "box", skip_serializing_if = "Option::is_none")]
     pub box_: Option<BoxSpec>,
     /// Young's modulus E.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[cfg_attr(test, schemars(extend("exclusiveMinimum" = 0)))]
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub young_pa: Option<f64>,
     /// Poisson's ratio ν.
-    #[schemars(range(min = 0, max = 0.499))]
+    #[cfg_attr(test, schemars(range(min = 0, max = 0.499)))]
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub poisson: Option<f64>,
     /// Density.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[cfg_attr(test, schemars(extend("exclusiveMinimum" = 0)))]
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub density_kg_m3: Option<f64>,
 }
@@ -218,58 +223,61 @@ impl RegionSpec {
 }
 
 /// A ball.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct BallSpec {
     /// Its centre.
-    #[schemars(extend("x-unit" = "m"))]
+    #[cfg_attr(test, schemars(extend("x-unit" = "m")))]
     pub centre: [f64; 3],
     /// Its radius.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[cfg_attr(test, schemars(extend("exclusiveMinimum" = 0)))]
     pub radius_m: f64,
 }
 
 /// A box along the axes.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct BoxSpec {
     /// Least corner; below `high` in x, y and z.
-    #[schemars(extend("x-unit" = "m"))]
+    #[cfg_attr(test, schemars(extend("x-unit" = "m")))]
     pub low: [f64; 3],
     /// Greatest corner.
-    #[schemars(extend("x-unit" = "m"))]
+    #[cfg_attr(test, schemars(extend("x-unit" = "m")))]
     pub high: [f64; 3],
 }
 
 /// `[body.lattice]`: nodes and cells of a deforming body.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct LatticeSpec {
     /// How nodes are placed inside the surface.
     pub builder: BuilderSpec,
     /// Of `transfinite` and `som`: nodes along each axis of the cube.
-    #[schemars(inner(range(min = 2, max = 128)))]
+    #[cfg_attr(test, schemars(inner(range(min = 2, max = 128))))]
     pub nodes: [usize; 3],
     /// Of `som`: learning cycles.
-    #[schemars(range(min = 1, max = 10_000))]
+    #[cfg_attr(test, schemars(range(min = 1, max = 10_000)))]
     pub cycles: usize,
     /// Shells from the surface inwards, the surface included; for an open sheet, layers
     /// through its thickness (2 or more). 3 when absent, and 2 in a closed `net`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 1, max = 64))]
+    #[cfg_attr(test, schemars(range(min = 1, max = 64)))]
     pub layers: Option<usize>,
     /// How the control net is refined before nodes are made.
     pub refine: RefineSpec,
     /// Thickness of an open sheet and of a membrane, which need it.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[cfg_attr(test, schemars(extend("exclusiveMinimum" = 0)))]
     pub thickness_m: Option<f64>,
     /// Of the model `net`: cells across each knot span of the surface.
-    #[schemars(range(min = 1, max = 8))]
+    #[cfg_attr(test, schemars(range(min = 1, max = 8)))]
     pub cells_per_span: usize,
     /// Of the model `net`: layers of cells in depth; twice the shells when absent.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 1, max = 64))]
+    #[cfg_attr(test, schemars(range(min = 1, max = 64)))]
     pub cell_layers: Option<usize>,
 }
 
@@ -289,7 +297,8 @@ impl Default for LatticeSpec {
 }
 
 /// How nodes are placed inside the surface.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum BuilderSpec {
     /// Shells below the surface: its control points are the outermost nodes.
@@ -303,7 +312,8 @@ pub enum BuilderSpec {
 }
 
 /// `refine = "auto" | "none" | [22, 23] | { focus = [points] } | { u = [knots], v = [knots] }`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(untagged)]
 pub enum RefineSpec {
     /// `"auto"` or `"none"`.
@@ -314,7 +324,7 @@ pub enum RefineSpec {
     /// far away.
     Focus {
         /// Where tools will press, on or near the surface, in the body's frame.
-        #[schemars(extend("x-unit" = "m"))]
+        #[cfg_attr(test, schemars(extend("x-unit" = "m")))]
         focus: Vec<[f64; 3]>,
     },
     /// Knots to insert.
@@ -327,7 +337,8 @@ pub enum RefineSpec {
 }
 
 /// `"auto"` or `"none"`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum RefineAuto {
     /// Evenly over the surface by length, until about three control points lie across the smallest
@@ -339,7 +350,8 @@ pub enum RefineAuto {
 }
 
 /// `[body.integrator]`: time stepping of a deforming body.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct IntegratorSpec {
     /// Which method.
@@ -349,17 +361,17 @@ pub struct IntegratorSpec {
     /// Matrix of the implicit step.
     pub matrix: MatrixSpec,
     /// Substeps of `xpbd`, and the fewest of `explicit`.
-    #[schemars(range(min = 1, max = 1_000))]
+    #[cfg_attr(test, schemars(range(min = 1, max = 1_000)))]
     pub substeps: usize,
     /// Sweeps of the contact solve per tick.
-    #[schemars(range(min = 1, max = 1_000))]
+    #[cfg_attr(test, schemars(range(min = 1, max = 1_000)))]
     pub contact_sweeps: usize,
     /// The body steps once in this many ticks, beside the loop. In between it answers with
     /// its compliance.
-    #[schemars(range(min = 1, max = 100))]
+    #[cfg_attr(test, schemars(range(min = 1, max = 100)))]
     pub every: u32,
     /// An untouched body none of whose points is faster falls asleep; 0 keeps it awake.
-    #[schemars(range(min = 0))]
+    #[cfg_attr(test, schemars(range(min = 0)))]
     pub sleep_m_s: f64,
 }
 
@@ -378,17 +390,19 @@ impl Default for IntegratorSpec {
 }
 
 /// `iterations = 2` (1 ..= 100) or `"auto"`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(untagged)]
 pub enum IterationsSpec {
     /// This many.
-    Count(#[schemars(range(min = 1, max = 100))] usize),
+    Count(#[cfg_attr(test, schemars(range(min = 1, max = 100)))] usize),
     /// As few as bring the expected motion error below 2 %, within the time of a tick.
     Auto(IterationsAuto),
 }
 
 /// `"auto"`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum IterationsAuto {
     /// Chosen when the scene is built.
@@ -396,7 +410,8 @@ pub enum IterationsAuto {
 }
 
 /// Matrix of the implicit step.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum MatrixSpec {
     /// The tangent where it fits, else the bounding matrix.
@@ -409,7 +424,8 @@ pub enum MatrixSpec {
 }
 
 /// Time integration.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum MethodSpec {
     /// Backward Euler with a constant matrix: stable at any stiffness.
@@ -425,13 +441,14 @@ pub enum MethodSpec {
 
 /// `[[body.fixed]]`: the nodes on the far side of a plane (body frame), `normal · (x − point) <=
 /// 0`, or the control points of a range of parameters.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(untagged, deny_unknown_fields)]
 pub enum FixedSpec {
     /// Behind a plane.
     Plane {
         /// A point of the plane.
-        #[schemars(extend("x-unit" = "m"))]
+        #[cfg_attr(test, schemars(extend("x-unit" = "m")))]
         point: [f64; 3],
         /// Its normal, any length above 0, towards the free part.
         normal: [f64; 3],

@@ -1,12 +1,12 @@
 //! `motion` of a rigid `[[body]]`: where it goes by itself.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
 /// `motion = { file = "tilt.toml" }`, or the keys of such a file in place. `motion = {}`: the body
 /// stays where it is until a command moves it.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct MotionSpec {
     /// A TOML file with the other keys, relative to the scene file.
@@ -27,7 +27,8 @@ pub struct MotionSpec {
 }
 
 /// How to go from one way-point to the next.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum InterpolationSpec {
     /// From rest to rest, with the least jerk.
@@ -38,14 +39,15 @@ pub enum InterpolationSpec {
 }
 
 /// `[[waypoint]]`, as in motions of tools.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct WaypointSpec {
     /// Time from the start; later than that of the way-point before.
-    #[schemars(range(min = 0.0))]
+    #[cfg_attr(test, schemars(range(min = 0.0)))]
     pub time_s: f64,
     /// Origin of the body's frame in the world.
-    #[schemars(extend("x-unit" = "m"))]
+    #[cfg_attr(test, schemars(extend("x-unit" = "m")))]
     pub position: [f64; 3],
     /// Unit quaternion x y z w; that of the way-point before (at first: of the body's placement) if
     /// left out.
@@ -53,12 +55,13 @@ pub struct WaypointSpec {
     pub orientation: Option<[f64; 4]>,
     /// How long to stay there.
     #[serde(default)]
-    #[schemars(range(min = 0.0))]
+    #[cfg_attr(test, schemars(range(min = 0.0)))]
     pub hold_s: f64,
 }
 
 /// `[[shake]]`: a sine along a direction, which swells and fades over one period.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ShakeSpec {
     /// Direction in the world, of any length above 0.
@@ -66,11 +69,11 @@ pub struct ShakeSpec {
     /// Amplitude.
     pub amplitude_m: f64,
     /// Frequency.
-    #[schemars(range(min = 0.0))]
+    #[cfg_attr(test, schemars(range(min = 0.0)))]
     pub frequency_hz: f64,
     /// When it begins.
     #[serde(default)]
-    #[schemars(range(min = 0.0))]
+    #[cfg_attr(test, schemars(range(min = 0.0)))]
     pub from_s: f64,
     /// When it ends; never if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -1,11 +1,11 @@
 //! `[ros2]` of a scene file: which topics move which tool. The simulation does not read it; `palpate
 //! serve --ros2` does.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// `[ros2]`: topics of ROS 2 that move the tools.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Ros2Spec {
     /// ROS domain.
@@ -31,7 +31,8 @@ impl Default for Ros2Spec {
 }
 
 /// `[[ros2.tool]]`: the topics of one tool. Values given here take precedence over the preset.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Ros2ToolSpec {
     /// Id of the tool.
@@ -79,7 +80,7 @@ pub struct Ros2ToolSpec {
     #[serde(default = "unturned")]
     pub rotation: [f64; 4],
     /// Origin of the device in the world.
-    #[schemars(extend("x-unit" = "m"))]
+    #[cfg_attr(test, schemars(extend("x-unit" = "m")))]
     #[serde(default)]
     pub translation: [f64; 3],
     /// Greatest force sent; that of the preset when absent.
@@ -125,7 +126,8 @@ impl Ros2ToolSpec {
 }
 
 /// A family of drivers.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Ros2Preset {
     /// A CRTK arm (Collaborative Robotics Toolkit).
@@ -142,7 +144,8 @@ pub enum Ros2Preset {
 }
 
 /// Type of forces.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub enum Ros2Force {
     /// `geometry_msgs/msg/WrenchStamped`.
     WrenchStamped,
@@ -157,7 +160,8 @@ pub enum Ros2Force {
 }
 
 /// Type of buttons.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub enum Ros2Button {
     /// `sensor_msgs/msg/Joy`.
     Joy,

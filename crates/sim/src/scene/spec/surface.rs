@@ -1,18 +1,18 @@
 //! Where a surface comes from.
 
 use super::MeshUnit;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
 /// `surface = { builtin = "teardrop", net = [8, 8] }`, `{ file = "organ.step" }` or `{ inline = {…} }`: exactly
 /// one of the three.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct SurfaceSpec {
     /// Name of a builtin surface.
     #[serde(default)]
-    #[schemars(extend("enum" = palpate_geometry::surface::builtin::BUILTINS))]
+    #[cfg_attr(test, schemars(extend("enum" = palpate_geometry::surface::builtin::BUILTINS)))]
     pub builtin: Option<String>,
     /// Control points in u and v of a builtin (its own default when absent), or of the surface fitted to a mesh
     /// (14 × 14).
@@ -21,7 +21,7 @@ pub struct SurfaceSpec {
     /// Size of a builtin: side of the sheet (0.1 when absent), radius of the sphere (0.05), length of the
     /// teardrop (0.1), great radius of the torus (0.05).
     #[serde(default)]
-    #[schemars(range(min = 1e-9, max = 1e9), extend("x-unit" = "m"))]
+    #[cfg_attr(test, schemars(range(min = 1e-9, max = 1e9), extend("x-unit" = "m")))]
     pub size: Option<f64>,
     /// A surface file (`palpate.surface.v1` as .json, .step, .stp, .iges, .igs), or a closed mesh (.stl, .obj, .ply,
     /// .glb) to which a surface is fitted; relative to the scene file.

@@ -1,15 +1,15 @@
 //! `[[tool]]` of a scene file: coupling, device, friction, grip.
 
 use super::{PoseSpec, ShapeSpec};
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// `[[tool]]`: a rigid shape that a client moves.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ToolSpec {
     /// Name of the tool: 1 to 64 of a-z, 0-9, `_`, `-`.
-    #[schemars(regex(pattern = r"^[a-z0-9_-]{1,64}$"))]
+    #[cfg_attr(test, schemars(regex(pattern = r"^[a-z0-9_-]{1,64}$")))]
     pub id: String,
     /// Its shape.
     #[serde(default)]
@@ -35,20 +35,21 @@ pub struct ToolSpec {
 }
 
 /// `[tool.coupling]`: spring and damper between the device and the proxy.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct CouplingSpec {
     /// Stiffness; `inf` holds the proxy rigidly to the device.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[cfg_attr(test, schemars(extend("exclusiveMinimum" = 0)))]
     pub stiffness_n_m: f64,
     /// Damping.
-    #[schemars(range(min = 0))]
+    #[cfg_attr(test, schemars(range(min = 0)))]
     pub damping_n_s_m: f64,
     /// Stiffness in rotation; `inf` turns the proxy as the device is turned. Points and spheres do not use it.
-    #[schemars(extend("exclusiveMinimum" = 0, "x-default" = "inf"))]
+    #[cfg_attr(test, schemars(extend("exclusiveMinimum" = 0, "x-default" = "inf")))]
     pub turning_stiffness_nm_rad: f64,
     /// Damping in rotation.
-    #[schemars(range(min = 0))]
+    #[cfg_attr(test, schemars(range(min = 0)))]
     pub turning_damping_nm_s_rad: f64,
     /// Reduce the stiffness to what the device renders passively in any hand, by the figures in `[tool.device]` or
     /// those that the device sends.
@@ -68,45 +69,46 @@ impl Default for CouplingSpec {
 }
 
 /// `[tool.device]`: limits of the device and figures of its mechanics.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct DeviceSpec {
     /// Greatest force.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[cfg_attr(test, schemars(extend("exclusiveMinimum" = 0)))]
     pub force_max_n: f64,
     /// Time in which the force limit rises from zero to full on connect, and falls on loss.
-    #[schemars(range(min = 0))]
+    #[cfg_attr(test, schemars(range(min = 0)))]
     pub ramp_s: f64,
     /// Age from which a pose is stale and the force is ramped down.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[cfg_attr(test, schemars(extend("exclusiveMinimum" = 0)))]
     pub stale_s: f64,
     /// Speed above which a pose is rejected as a jump.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[cfg_attr(test, schemars(extend("exclusiveMinimum" = 0)))]
     pub speed_max_m_s: f64,
     /// Greatest torque; 0 for devices without torque output.
-    #[schemars(range(min = 0), extend("x-default" = "inf"))]
+    #[cfg_attr(test, schemars(range(min = 0), extend("x-default" = "inf")))]
     pub torque_max_nm: f64,
     /// Passivity controller: a damper acts whenever the loop would return more energy than it received.
     pub passivity: bool,
     /// Strongest such damper: less than the device's mass over a tick.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[cfg_attr(test, schemars(extend("exclusiveMinimum" = 0)))]
     pub passivity_damping_n_s_m: f64,
     /// Viscous damping of the device; its stiffest passive coupling follows from it.
-    #[schemars(range(min = 0))]
+    #[cfg_attr(test, schemars(range(min = 0)))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damping_n_s_m: Option<f64>,
     /// Dry friction of the device.
-    #[schemars(range(min = 0))]
+    #[cfg_attr(test, schemars(range(min = 0)))]
     pub coulomb_n: f64,
     /// Step of its encoders, at the tool.
-    #[schemars(range(min = 0))]
+    #[cfg_attr(test, schemars(range(min = 0)))]
     pub encoder_m: f64,
     /// Its own rate; that of the loop when absent.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[cfg_attr(test, schemars(extend("exclusiveMinimum" = 0)))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rate_hz: Option<f64>,
     /// Delay from a pose to its force, beyond one tick.
-    #[schemars(range(min = 0))]
+    #[cfg_attr(test, schemars(range(min = 0)))]
     pub delay_s: f64,
 }
 
@@ -130,18 +132,19 @@ impl Default for DeviceSpec {
 }
 
 /// `friction = { mu = 0.3 }`: Coulomb's law, with drag if wanted.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct FrictionSpec {
     /// Coefficient of static friction: largest tangential over normal force; 0 for none.
-    #[schemars(range(min = 0))]
+    #[cfg_attr(test, schemars(range(min = 0)))]
     pub mu: f64,
     /// Coefficient while it slips, at most `mu`; `mu` when absent.
-    #[schemars(range(min = 0))]
+    #[cfg_attr(test, schemars(range(min = 0)))]
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mu_kinetic: Option<f64>,
     /// Drag of the contact against its slip.
-    #[schemars(range(min = 0))]
+    #[cfg_attr(test, schemars(range(min = 0)))]
     #[serde(default, skip_serializing_if = "is_zero")]
     pub viscous_n_s_m: f64,
 }
@@ -151,11 +154,12 @@ fn is_zero(value: &f64) -> bool {
 }
 
 /// `[tool.grip]`: holding what the tool touches.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct GripSpec {
     /// Pull at which what is held slips off; 0: it never holds.
-    #[schemars(range(min = 0))]
+    #[cfg_attr(test, schemars(range(min = 0)))]
     pub force_max_n: f64,
 }
 
