@@ -50,6 +50,9 @@ pub struct Peak {
 pub struct Scanner {
     spec: ScanSpec,
     map: StiffnessMap,
+    /// The tap that is under way, and how high the tool was when it first met a force in it, m.
+    tap: usize,
+    touched_z: Option<f64>,
 }
 
 impl Scanner {
@@ -75,6 +78,8 @@ impl Scanner {
                 n_per_mm: vec![0.0; nx * ny],
             },
             spec: spec.clone(),
+            tap: 0,
+            touched_z: None,
         })
     }
 
@@ -89,13 +94,15 @@ impl Scanner {
         let before = self.map.place(tap.max(1) - 1);
         let over = smooth(share / 0.1);
         let down = smooth((share - 0.1) / 0.3) - smooth((share - 0.7) / 0.3);
-        if (0.4..0.7).contains(&share) {
-            let (force_n, depth_m) = (last.contact_force_n.z, spec_depth(last));
-            self.map.n_per_mm[tap] = if depth_m > 0.0 {
-                force_n / (depth_m * 1e3)
-            } else {
-                0.0
-            };
+        if tap != self.tap {
+            (self.tap, self.touched_z) = (tap, None);
+        }
+        let z = last.proxy_position.z;
+        if last.contact_count > 0 {
+            let depth_m = *self.touched_z.get_or_insert(z) - z;
+            if (0.4..0.7).contains(&share) && depth_m > 0.0 {
+                self.map.n_per_mm[tap] = last.contact_force_n.z / (depth_m * 1e3);
+            }
         }
         Point3::new(
             before[0] + (here[0] - before[0]) * over,
@@ -112,12 +119,6 @@ impl Scanner {
     pub fn map(&self) -> &StiffnessMap {
         &self.map
     }
-}
-
-/// How far the tool's proxy has pressed the surface in, m: from where it first touches. A hand
-/// measures that from the height of the surface; ours is flat, at z = 0.
-fn spec_depth(last: &ToolOutput) -> f64 {
-    last.contact.map_or(0.0, |contact| -contact.point.z)
 }
 
 /// From 0 to 1 with the least jerk, constant outside.

@@ -15,6 +15,8 @@ use serde::Deserialize;
 const CELLS: usize = 8;
 /// Points each way at which a surface is looked at everywhere.
 const POINTS: usize = 81;
+/// Slower than this, a body is at rest, m/s.
+const AT_REST_M_S: f64 = 1e-3;
 
 /// What is looked at, SI.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -47,7 +49,8 @@ pub enum Look {
     Spilled { body: String, rim: String },
     /// How deep any point of a closed body's surface lies behind an open surface, m.
     Penetration { body: String, sheet: String },
-    /// Force of all contacts on a body upwards, relative to its weight, less 1.
+    /// Force of all contacts on a body upwards, relative to its weight, less 1; nothing to measure while any of it
+    /// moves by a millimetre a second, when its inertia is part of that force.
     WeightError { body: String },
     /// Force of all contacts on a body, N.
     ContactForce { body: String },
@@ -205,6 +208,9 @@ impl Look {
                 Some(deepest_m(&now(start.body), &now(start.other), POINTS))
             }
             Self::WeightError { .. } => {
+                if scene.speed_m_s(state, start.body) > AT_REST_M_S {
+                    return None;
+                }
                 let gravity = Vector3::from(scene.spec.gravity.acceleration);
                 let up = -scratch.contact_force_on(start.body).dot(&gravity) / gravity.norm();
                 Some((up / (start.mass_kg * gravity.norm()) - 1.0).abs())
