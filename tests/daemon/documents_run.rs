@@ -4,15 +4,17 @@
 //! what else it needs: `daemon`, a running teardrop; `recording`, a session.mcap; `build`, that
 //! Cargo builds, `npm`, what npm runs in clients/web, and `peer`, another program (these only parsed, in `documents`; what needs a peer runs
 //! with one in the tests of that peer). What would run until it is stopped is given two
-//! seconds, and port 7447 is another for each block.
+//! seconds, what would run for longer than four seconds is given four, and port 7447 is another for each block.
 
 use crate::daemon::{Daemon, PROGRAM, free_port};
 use crate::documents::{Block, blocks, root};
 use palpate_client::testing::TestSession;
 use palpate_client::{Connect, Palpate, pose_at};
+use std::collections::BTreeSet;
 use std::os::unix::fs::PermissionsExt as _;
 use std::path::Path;
 use std::process::{Command, Stdio};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
 /// `palpate` as blocks call it.
@@ -20,8 +22,10 @@ const WRAPPER: &str = r#"#!/bin/bash
 args=()
 for word in "$@"; do
   word=${word//7447/$DOC_PORT}
-  case "$word" in 60s) word=2s;; 127.0.0.1:8080) word=127.0.0.1:0;; esac
+  [[ $before = --for && $word =~ ^[0-9]+s$ && ${word%s} -gt 4 ]] && word=4s
+  [ "$word" = 127.0.0.1:8080 ] && word=127.0.0.1:0
   args+=("$word")
+  before=$word
 done
 export XDG_CACHE_HOME="$PWD/.cache"
 has() { for word in "${args[@]}"; do [ "$word" = "$1" ] && return 0; done; return 1; }
@@ -38,7 +42,7 @@ case "$1" in
 esac
 if [ $short = 1 ]; then
   # Ended by the signal that Ctrl-C sends.
-  timeout --signal INT --kill-after 20 3 "$DOC_PROGRAM" "${args[@]}" < /dev/null
+  timeout --signal INT --kill-after 20 2 "$DOC_PROGRAM" "${args[@]}" < /dev/null
   code=$?
   [ $code = 124 ] && code=0
   exit $code
@@ -136,28 +140,70 @@ fn run(block: &Block) -> Result<(), String> {
     ))
 }
 
-fn run_all(wanted: impl Fn(&Block) -> bool) {
-    let blocks: Vec<Block> = blocks()
-        .into_iter()
-        .filter(|block| {
-            block.language == "sh"
-                && !["build", "npm", "peer"].contains(&block.kind.as_str())
-                && wanted(block)
-        })
+/// Runs the blocks of a document that can be run here, two at a time: most of the time they wait.
+fn run_all(document: &str) {
+    let blocks: Vec<Block> = runnable()
+        .filter(|block| of(block) == document)
         .collect();
-    assert!(!blocks.is_empty());
-    let failures: Vec<String> = blocks.iter().filter_map(|block| run(block).err()).collect();
+    assert!(!blocks.is_empty(), "{document} has no commands");
+    let next = AtomicUsize::new(0);
+    let worker = || -> Vec<String> {
+        std::iter::from_fn(|| blocks.get(next.fetch_add(1, Ordering::Relaxed)))
+            .filter_map(|block| run(block).err())
+            .collect()
+    };
+    let failures = std::thread::scope(|scope| {
+        let other = scope.spawn(worker);
+        [worker(), other.join().unwrap()].concat()
+    });
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
-#[test]
-fn commands_that_need_no_daemon_run() {
-    run_all(|block| !block.kind.contains("daemon"));
+fn runnable() -> impl Iterator<Item = Block> {
+    blocks().into_iter().filter(|block| {
+        block.language == "sh" && !["build", "npm", "peer"].contains(&block.kind.as_str())
+    })
 }
 
-#[test]
-fn commands_that_need_a_daemon_run() {
-    run_all(|block| block.kind.contains("daemon"));
+/// The document of a block.
+fn of(block: &Block) -> &str {
+    block.place.rsplit_once(':').unwrap().0
+}
+
+/// A test for each document, and one that none is left out.
+macro_rules! documents {
+    ($($test:ident: $document:literal;)*) => {
+        $(
+            #[test]
+            fn $test() {
+                run_all($document);
+            }
+        )*
+
+        #[test]
+        fn the_commands_of_every_document_are_run() {
+            let run = BTreeSet::from([$($document.to_owned()),*]);
+            let all: BTreeSet<String> = runnable().map(|block| of(&block).to_owned()).collect();
+            assert_eq!(run, all);
+        }
+    };
+}
+
+documents! {
+    commands_of_the_readme_run: "README.md";
+    commands_of_batch_run: "docs/batch.md";
+    commands_of_branch_run: "docs/branch.md";
+    commands_of_connect_run: "docs/connect.md";
+    commands_of_deployment_run: "docs/deployment.md";
+    commands_of_devices_run: "docs/devices.md";
+    commands_of_getting_started_run: "docs/getting-started.md";
+    commands_of_merge_run: "docs/merge.md";
+    commands_of_page_run: "docs/page.md";
+    commands_of_recording_run: "docs/recording.md";
+    commands_of_scenarios_run: "docs/scenarios.md";
+    commands_of_scene_run: "docs/scene.md";
+    commands_of_security_run: "docs/security.md";
+    commands_of_wire_run: "docs/wire.md";
 }
 
 // The line is that of the command, not of the fence.

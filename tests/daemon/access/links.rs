@@ -290,23 +290,21 @@ fn behind_a_router_with_our_rules_a_link_without_certificate_is_this_machines_on
         &rules,
         "--insecure",
     ]);
-    let pause = ["rpc", "pause", "--insecure", "--connect"];
-    let from_there = cable
-        .at("b", &[&pause[..], &[&wide]].concat())
-        .output()
-        .unwrap();
-    assert!(!from_there.status.success(), "{}", words(&from_there));
-    let from_here = cable
-        .at("a", &[&pause[..], &["tcp/127.0.0.1:7447"]].concat())
-        .output()
-        .unwrap();
-    assert!(from_here.status.success(), "{}", words(&from_here));
+    // At the same time: who is refused waits for an answer.
+    let pause = |end: &str, endpoint: &str| {
+        let mut asked = cable.at(end, &["rpc", "pause", "--insecure", "--connect", endpoint]);
+        let asked = asked.stdout(Stdio::piped()).stderr(Stdio::piped());
+        asked.spawn().unwrap()
+    };
+    let from_there = pause("b", &wide);
     // From its own machine, but over the network's interface: nobody can tell.
-    let own = cable
-        .at("a", &[&pause[..], &[&wide]].concat())
-        .output()
-        .unwrap();
+    let own = pause("a", &wide);
+    let from_here = pause("a", "tcp/127.0.0.1:7447");
+    let [from_there, own, from_here] =
+        [from_there, own, from_here].map(|asked| asked.wait_with_output().unwrap());
+    assert!(!from_there.status.success(), "{}", words(&from_there));
     assert!(!own.status.success(), "{}", words(&own));
+    assert!(from_here.status.success(), "{}", words(&from_here));
 }
 
 #[test]

@@ -176,15 +176,17 @@ fn false_daemons(protocol: &str) {
 // Short-lived certificates are the only way to take rights back: links must not outlive them.
 #[test]
 fn a_link_ends_when_its_certificate_does() {
-    for protocol in ["tls", "quic"] {
-        ended_link(protocol);
-    }
+    std::thread::scope(|scope| {
+        for protocol in ["tls", "quic"] {
+            scope.spawn(move || ended_link(protocol));
+        }
+    });
 }
 
 fn ended_link(protocol: &str) {
     let secured = Secured::start_as(&request(Role::Daemon), protocol);
     let short = palpate::auth::Request {
-        valid: Duration::from_secs(6),
+        valid: Duration::from_secs(4),
         ..request(Role::Viewer)
     };
     let path = secured.path().join("short.json5");
