@@ -8,6 +8,7 @@
 
 use crate::daemon::{Daemon, PROGRAM, free_port};
 use crate::documents::{Block, blocks, root};
+use crate::scenes::RIGID_TEARDROP;
 use palpate_client::testing::TestSession;
 use palpate_client::{Connect, Palpate, pose_at};
 use std::collections::BTreeSet;
@@ -15,7 +16,7 @@ use std::os::unix::fs::PermissionsExt as _;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// `palpate` as blocks call it.
 const WRAPPER: &str = r#"#!/bin/bash
@@ -35,6 +36,7 @@ case "$1" in
   demo) has --for || args+=(--for 2s);;
   device) has --list || has --connect || args+=(--connect "tcp/127.0.0.1:$DOC_PORT"); has --for || has --list || args+=(--for 2s);;
   rpc|ls|echo) has --connect || args+=(--connect "tcp/127.0.0.1:$DOC_PORT");;
+  doctor) args+=(--for 200ms --ticks 300);;
   hz) has --connect || args+=(--connect "tcp/127.0.0.1:$DOC_PORT"); short=1;;
   play) args+=(--listen "tcp/127.0.0.1:$DOC_SERVE_PORT"); short=1;;
   lobby) args+=(--http 127.0.0.1:0);;
@@ -93,10 +95,9 @@ fn run(block: &Block) -> Result<(), String> {
         add_recording(directory.path());
     }
     let daemon = needs("daemon").then(|| {
-        let scene = std::fs::read_to_string(root().join("scenes/rigid-teardrop.toml")).unwrap();
         let kept = directory.path().join("kept");
         let arguments = ["--ring", "30s", "--record-dir", kept.to_str().unwrap()];
-        Daemon::start_at(port, directory.path(), &scene, &arguments)
+        Daemon::start_at(port, directory.path(), RIGID_TEARDROP, &arguments)
     });
     // Without a daemon of its own a block starts the one that its clients connect to.
     let serve_port = if daemon.is_some() { serve_port } else { port };
@@ -142,14 +143,17 @@ fn run(block: &Block) -> Result<(), String> {
 
 /// Runs the blocks of a document that can be run here, two at a time: most of the time they wait.
 fn run_all(document: &str) {
-    let blocks: Vec<Block> = runnable()
-        .filter(|block| of(block) == document)
-        .collect();
+    let blocks: Vec<Block> = runnable().filter(|block| of(block) == document).collect();
     assert!(!blocks.is_empty(), "{document} has no commands");
     let next = AtomicUsize::new(0);
     let worker = || -> Vec<String> {
         std::iter::from_fn(|| blocks.get(next.fetch_add(1, Ordering::Relaxed)))
-            .filter_map(|block| run(block).err())
+            .filter_map(|block| {
+                let begun = Instant::now();
+                let done = run(block);
+                println!("{}: {:.1} s", block.place, begun.elapsed().as_secs_f64());
+                done.err()
+            })
             .collect()
     };
     let failures = std::thread::scope(|scope| {
@@ -248,8 +252,7 @@ fn rust_block(document: &str) -> String {
 #[test]
 fn the_client_of_the_readme_feels_the_surface() {
     let directory = tempfile::tempdir().unwrap();
-    let scene = std::fs::read_to_string(root().join("scenes/rigid-teardrop.toml")).unwrap();
-    let daemon = Daemon::start(directory.path(), &scene, &[]);
+    let daemon = Daemon::start(directory.path(), RIGID_TEARDROP, &[]);
     let client = || -> Result<Option<f64>, Box<dyn std::error::Error>> {
         // begin client
         let palpate = Palpate::connect(&Connect::to(&daemon.endpoint))?;
@@ -283,8 +286,7 @@ fn the_test_of_the_recording_guide_passes() {
     let directory = tempfile::tempdir().unwrap();
     let record = directory.path().join("press.mcap");
     let the_test = || -> Result<(), Box<dyn std::error::Error>> {
-        let scene = std::fs::read_to_string(root().join("scenes/rigid-teardrop.toml"))?;
-        let mut session = TestSession::of(&scene)
+        let mut session = TestSession::of(RIGID_TEARDROP)
             .program(PROGRAM)
             .record(&record)
             .start()?;

@@ -1,7 +1,8 @@
 //! `palpate relay`: nets are thinned, forces are not, and behind a read-only one nobody writes.
 
 use crate::access::request;
-use crate::daemon::{Daemon, PROGRAM, SOFT_DROP, device, free_port};
+use crate::daemon::{Daemon, PROGRAM, device, free_port, side_by_side};
+use crate::scenes::SOFT_DROP;
 use palpate::auth::{Authority, Role};
 use palpate::relay::{Relay, RelayError, RelaySettings};
 use palpate_client::{ClientError, Connect, Palpate};
@@ -60,6 +61,15 @@ fn watch(endpoint: &str) -> std::process::Child {
 }
 
 #[test]
+fn relays() {
+    side_by_side![
+        nets_are_thinned_forces_are_not_and_relays_chain,
+        behind_a_read_only_relay_everything_can_be_seen_and_nothing_done,
+        a_daemon_that_was_started_again_is_seen_again_and_still_read_only,
+        a_relay_without_a_daemon_or_open_to_all_is_refused,
+    ];
+}
+
 fn nets_are_thinned_forces_are_not_and_relays_chain() {
     let directory = tempfile::tempdir().unwrap();
     let daemon = Daemon::start(directory.path(), SOFT_DROP, &[]);
@@ -88,7 +98,6 @@ fn nets_are_thinned_forces_are_not_and_relays_chain() {
     assert!(farther[force].0 * 10 > near[force].0 * 7);
 }
 
-#[test]
 fn behind_a_read_only_relay_everything_can_be_seen_and_nothing_done() {
     let directory = tempfile::tempdir().unwrap();
     let daemon = Daemon::start(directory.path(), SOFT_DROP, &[]);
@@ -167,7 +176,6 @@ fn behind_a_read_only_relay_everything_can_be_seen_and_nothing_done() {
     assert_eq!(code, 0, "{report}");
 }
 
-#[test]
 fn a_daemon_that_was_started_again_is_seen_again_and_still_read_only() {
     let directory = tempfile::tempdir().unwrap();
     let port = free_port();
@@ -189,7 +197,6 @@ fn a_daemon_that_was_started_again_is_seen_again_and_still_read_only() {
     assert_eq!(daemon.connect().status().unwrap().state as u8, 0);
 }
 
-#[test]
 fn a_relay_without_a_daemon_or_open_to_all_is_refused() {
     let settings = |from: &str, listen: &str| RelaySettings {
         from: from.into(),

@@ -101,8 +101,7 @@ fn identities_are_made_shown_and_never_overwritten() {
     assert!(zenoh::Config::from_file(text).is_ok());
 }
 
-#[test]
-fn a_device_presses_with_its_own_identity_and_a_viewer_gives_no_commands() {
+pub(super) fn a_device_presses_with_its_own_identity_and_a_viewer_gives_no_commands() {
     let secured = Secured::start();
     let ball = secured.identity(Role::tool("ball").unwrap());
     let viewer = secured.identity(Role::Viewer);

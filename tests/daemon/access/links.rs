@@ -165,8 +165,7 @@ fn strangers(cable: &Cable, scene: &str) -> [Ended; 2] {
     [daemon, relay]
 }
 
-#[test]
-fn a_router_of_strangers_sees_a_daemon_only_if_that_was_allowed_and_then_it_is_said() {
+pub(super) fn a_router_of_strangers_sees_a_daemon_only_if_that_was_allowed_and_then_it_is_said() {
     let Some(cable) = Cable::lay() else {
         println!("skipped: `ip netns` does not work here");
         return;
@@ -251,8 +250,8 @@ fn a_router_of_strangers_sees_a_daemon_only_if_that_was_allowed_and_then_it_is_s
 }
 
 // A link over plain TCP says nothing of who is there. At a router as at a daemon only the loopback interface does.
-#[test]
-fn behind_a_router_with_our_rules_a_link_without_certificate_is_this_machines_only_on_loopback() {
+pub(super) fn behind_a_router_with_our_rules_a_link_without_certificate_is_this_machines_only_on_loopback()
+ {
     let Some(cable) = Cable::lay() else {
         println!("skipped: `ip netns` does not work here");
         return;

@@ -252,7 +252,10 @@ fn all_roles(protocol: &str, rows: &[(&str, &str, [bool; 5])]) {
     let verbs: BTreeSet<&str> = rows.iter().map(|(verb, ..)| *verb).collect();
     for verb in verbs {
         let cells = |expected: bool| {
-            let of_verb = rows.iter().enumerate().filter(move |(_, row)| row.0 == verb);
+            let of_verb = rows
+                .iter()
+                .enumerate()
+                .filter(move |(_, row)| row.0 == verb);
             let cells = of_verb.flat_map(|(k, row)| (0..ROLES.len()).map(move |r| (k, r, row)));
             cells.filter(move |(_, r, (.., may))| may[*r] == expected)
         };
@@ -260,7 +263,11 @@ fn all_roles(protocol: &str, rows: &[(&str, &str, [bool; 5])]) {
             let denied: Vec<_> = cells(false)
                 .map(|(k, r, (verb, rest, _))| {
                     let (own, operator) = (&sessions[r], &operator);
-                    (k, r, scope.spawn(move || cell(verb, rest, false, own, operator)))
+                    (
+                        k,
+                        r,
+                        scope.spawn(move || cell(verb, rest, false, own, operator)),
+                    )
                 })
                 .collect();
             for (k, r, tried) in denied {

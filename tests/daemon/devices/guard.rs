@@ -7,7 +7,7 @@ use palpate_devices::ros2::{Empty, OperatingState, PoseStamped, WrenchStamped};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-const SCENE: &str = include_str!("../../../scenes/rigid-teardrop.toml");
+use crate::scenes::RIGID_TEARDROP as SCENE;
 
 struct Process(Child);
 

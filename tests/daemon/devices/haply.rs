@@ -8,7 +8,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 use tungstenite::{Message, WebSocket};
 
-const SCENE: &str = include_str!("../../../scenes/rigid-teardrop.toml");
+use crate::scenes::RIGID_TEARDROP as SCENE;
 /// Into the drop and out again, within a second; a button is held for a while.
 const MOTION: &str = "[[waypoint]]\ntime_s = 0\nposition = [0.036, 0.003, 0.045]\n\
                       [[waypoint]]\ntime_s = 0.3\nposition = [0.024, 0.003, 0.045]\n\
@@ -115,7 +115,7 @@ fn over_the_simulated_service_the_forces_are_those_of_a_native_run_bit_for_bit()
         match &service {
             None => device.args(hand).args(["--for", "1s"]),
             Some(service) => {
-                device.args(["--hardware", "haply", "--uri", &service.uri, "--for", "5s"])
+                device.args(["--hardware", "haply", "--uri", &service.uri, "--for", "3s"])
             }
         };
         let done = device.stdin(Stdio::null()).output().unwrap();

@@ -14,7 +14,7 @@ use std::process::Command;
 use std::time::{Duration, Instant};
 use zenoh::Wait;
 
-const SCENE: &str = include_str!("../../../scenes/rigid-teardrop.toml");
+use crate::scenes::RIGID_TEARDROP as SCENE;
 const ARM: &str = "[[ros2.tool]]\ntool = \"ball\"\npreset = \"crtk\"\n";
 const POSE: &str = "/arm/measured_cp";
 const FORCE: &str = "/arm/body/servo_cf";

@@ -256,8 +256,8 @@ fn a_second_page_is_told_who_holds_the_tool_until_the_first_is_gone() {
             .contains("does not hold")
     );
     // Another tool is free.
-    second.claim("other", "mouse B");
-    second.holder("other", |who| who == Some("mouse B"));
+    second.claim("pen", "mouse B");
+    second.holder("pen", |who| who == Some("mouse B"));
     // Given back, then taken and lost with the socket.
     first.send("tool/ball/release", &[]);
     second.holder("ball", |who| who.is_none());
