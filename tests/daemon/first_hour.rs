@@ -224,7 +224,7 @@ fn check_says_which_rate_a_scene_holds() {
     let product = tick_us.as_f64().unwrap() * holds.as_f64().unwrap();
     assert!((product / 1e6 - 1.0).abs() < 0.01, "{report}");
     let slow = "[loop]\nrate_hz = 10000\n[[body]]\nid = \"drop\"\nsurface = { builtin = \"teardrop\", net = [8, 8] }\n\
-                model = \"continuum\"\nlattice = { layers = 6, refine = \"none\" }\n\
+                model = \"continuum\"\nlattice = { layers = 6, refine = \"none\" }\nintegrator = { iterations = 10 }\n\
                 [[tool]]\nid = \"ball\"\nshape = { sphere = { radius_m = 0.01 } }\npose = { position = [0.06, 0.0, 0.045] }\n";
     std::fs::write(directory.path().join("slow.toml"), slow).unwrap();
     let slow = palpate(directory.path(), &["check", "slow.toml"]);

@@ -130,9 +130,15 @@ fn a_pause_and_a_shutdown_wait_for_no_reader_that_has_stopped() {
     let late = Lateness::watch();
     let quiet = commanded(&palpate, Call::Pause, &late);
     palpate.rpc(Call::Resume).unwrap();
-    let open = |tap: &Tap| crate::wire::bare(&tap.endpoint);
     let taps: Vec<Tap> = (0..9).map(|_| Tap::to(&daemon)).collect();
-    let sessions: Vec<zenoh::Session> = taps.iter().map(open).collect();
+    let sessions: Vec<zenoh::Session> = std::thread::scope(|scope| {
+        let open = |tap: &Tap| {
+            let endpoint = tap.endpoint.clone();
+            scope.spawn(move || crate::wire::bare(&endpoint))
+        };
+        let opening: Vec<_> = taps.iter().map(open).collect();
+        opening.into_iter().map(|one| one.join().unwrap()).collect()
+    });
     let mut kept = Vec::new();
     let mut subscribers = Vec::new();
     for (k, (tap, session)) in taps.iter().zip(&sessions).enumerate() {

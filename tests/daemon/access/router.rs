@@ -107,15 +107,12 @@ pub(super) fn a_router_with_tls_between_two_machines_goes_and_comes_back_and_the
     let viewer = at("viewer.json5");
     let ask = |arguments: &[&str]| {
         let more = ["--connect", &router_at, "--zenoh-config", &viewer];
-        cable
-            .at("b", &[arguments, &more[..]].concat())
-            .output()
-            .unwrap()
+        let mut asking = cable.at("b", &[arguments, &more[..]].concat());
+        let asking = asking.stdout(Stdio::piped()).stderr(Stdio::piped());
+        asking.spawn().unwrap()
     };
-    let listed = ask(&["ls"]);
+    let listed = ask(&["ls"]).wait_with_output().unwrap();
     assert!(words(&listed).contains("ball"), "{}", words(&listed));
-    let paused = ask(&["rpc", "pause"]);
-    assert!(!paused.status.success(), "{}", words(&paused));
     let stays = at("stays.toml");
     std::fs::write(&stays, STAYS).unwrap();
     let (csv, ball) = (at("ball.csv"), at("ball.json5"));
@@ -127,7 +124,7 @@ pub(super) fn a_router_with_tls_between_two_machines_goes_and_comes_back_and_the
         "--motion",
         &stays,
         "--for",
-        "11s",
+        "10s",
         "--wait",
         "60s",
         "--connect",
@@ -144,6 +141,7 @@ pub(super) fn a_router_with_tls_between_two_machines_goes_and_comes_back_and_the
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
+    let paused = ask(&["rpc", "pause"]);
     std::thread::sleep(Duration::from_secs(3));
     // Dropped is killed: no word of farewell.
     drop(router);
@@ -154,6 +152,8 @@ pub(super) fn a_router_with_tls_between_two_machines_goes_and_comes_back_and_the
         "the router is back after {:.1} s more",
         begun.elapsed().as_secs_f64()
     );
+    let paused = paused.wait_with_output().unwrap();
+    assert!(!paused.status.success(), "{}", words(&paused));
     let output = device.wait_with_output().unwrap();
     // A silence of more than a second is told by the exit code.
     assert_eq!(output.status.code(), Some(3), "{}", words(&output));

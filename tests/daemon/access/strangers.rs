@@ -183,7 +183,7 @@ pub(super) fn a_link_ends_when_its_certificate_does() {
 fn ended_link(protocol: &str) {
     let secured = Secured::start_as(&request(Role::Daemon), protocol);
     let short = palpate::auth::Request {
-        valid: Duration::from_secs(4),
+        valid: Duration::from_secs(6),
         ..request(Role::Viewer)
     };
     let path = secured.path().join("short.json5");

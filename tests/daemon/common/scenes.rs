@@ -52,8 +52,8 @@ pose = { position = [0.06, 0.003, 0.045] }
 pub fn too_slow() -> String {
     let awake = "model = \"lattice\"\nintegrator = { sleep_m_s = 0.0 }";
     let drop = SOFT_DROP
-        .replace("refine = [12, 13]", "refine = [40, 41]")
-        .replace("layers = 2", "layers = 5")
+        .replace("refine = [12, 13]", "refine = [20, 21]")
+        .replace("layers = 2", "layers = 8")
         .replace("model = \"lattice\"", awake);
     format!("[loop]\nrate_hz = 10000\n{drop}")
 }

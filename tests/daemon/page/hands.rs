@@ -272,7 +272,7 @@ fn a_second_page_is_told_who_holds_the_tool_until_the_first_is_gone() {
         second.refusal()["error"]
             .as_str()
             .unwrap()
-            .contains("ball, other")
+            .contains("ball, pen")
     );
 }
 
@@ -483,7 +483,7 @@ fn a_tool_of_the_mouse_that_cannot_be_is_refused_in_words() {
     };
     let lockstep = ["--clock", "lockstep", "--mouse-tool"];
     assert!(try_with(TWO_BALLS, &lockstep).contains("lockstep"));
-    let taken = TWO_BALLS.replace("\"other\"", "\"mouse\"");
+    let taken = TWO_BALLS.replace("\"pen\"", "\"mouse\"");
     assert!(try_with(&taken, &["--mouse-tool"]).contains("of its own"));
     assert!(try_with(TWO_BALLS, &["--mouse-tool=10"]).contains("not a radius"));
 }
