@@ -141,7 +141,7 @@ fn run(block: &Block) -> Result<(), String> {
     ))
 }
 
-/// Runs the blocks of a document that can be run here, two at a time: most of the time they wait.
+/// Runs the blocks of a document that can be run here, four at a time: most of the time they wait.
 fn run_all(document: &str) {
     let blocks: Vec<Block> = runnable().filter(|block| of(block) == document).collect();
     assert!(!blocks.is_empty(), "{document} has no commands");
@@ -157,8 +157,8 @@ fn run_all(document: &str) {
             .collect()
     };
     let failures = std::thread::scope(|scope| {
-        let other = scope.spawn(worker);
-        [worker(), other.join().unwrap()].concat()
+        let workers = [(); 4].map(|()| scope.spawn(worker));
+        workers.map(|worker| worker.join().unwrap()).concat()
     });
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }

