@@ -184,7 +184,10 @@ fn millimetres_read_as_metres_do_not_pass() {
     let fit = palpate(path, &["surface", "fit", "mm.stl", "-o", "mm.json"]);
     assert_eq!(code(&fit), 2);
     assert!(words(&fit).contains("--unit mm"), "{}", words(&fit));
-    let done = palpate(path, &["import", "mm.stl", "--unit", "m"]);
+    let done = palpate(
+        path,
+        &["import", "mm.stl", "--unit", "m", "--model", "rigid"],
+    );
     assert_eq!(code(&done), 1, "{}", words(&done));
     assert!(
         words(&done).contains("is its file in millimetres"),
@@ -777,7 +780,9 @@ fn scans_in_ply_and_gltf_are_imported() {
     std::fs::write(path.join("scan.ply"), ply).unwrap();
     let imported = palpate(
         path,
-        &["import", "scan.glb", "--net", "20x20", "-o", "a.toml"],
+        &[
+            "import", "scan.glb", "--net", "20x20", "--model", "rigid", "-o", "a.toml",
+        ],
     );
     assert_eq!(code(&imported), 0, "{}", words(&imported));
     let asked = palpate(path, &["import", "scan.ply", "-o", "b.toml"]);
