@@ -26,7 +26,7 @@ const HEALTH_EVERY: Duration = Duration::from_secs(2);
 const LOOK_EVERY: Duration = Duration::from_millis(50);
 /// Between the first two tries; each further pause is twice as long.
 const FIRST_PAUSE: Duration = Duration::from_millis(100);
-const LONGEST_PAUSE: Duration = Duration::from_secs(5);
+const LONGEST_PAUSE: Duration = Duration::from_secs(1);
 /// At the end, for a sidecar that does not take the news.
 const LAST_TRIES: Duration = Duration::from_secs(3);
 

@@ -59,7 +59,11 @@ pub struct Peer(pub SocketAddr);
 
 /// Serves connections as they come.
 pub(super) async fn accept(listener: TcpListener, app: Router) {
-    let door = Door::new(LIMITS);
+    accept_within(LIMITS, listener, app).await;
+}
+
+async fn accept_within(limits: Limits, listener: TcpListener, app: Router) {
+    let door = Door::new(limits);
     let mut sweep = tokio::time::interval(SWEEP);
     loop {
         let accepted = tokio::select! {
@@ -281,5 +285,48 @@ impl AsyncWrite for Connection {
 
     fn poll_shutdown(self: Pin<&mut Self>, _: &mut Context<'_>) -> Poll<io::Result<()>> {
         Poll::Ready(SockRef::from(&*self.stream).shutdown(Shutdown::Write))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::door::STALL;
+    use std::io::{ErrorKind, Read as _};
+
+    // Seen: sockets that say nothing stayed for ever and kept others out.
+    #[test]
+    fn who_says_nothing_is_closed_and_who_asks_in_time_is_answered() {
+        let runtime = tokio::runtime::Builder::new_multi_thread()
+            .worker_threads(1)
+            .enable_all()
+            .build()
+            .unwrap();
+        let listener = runtime.block_on(TcpListener::bind("127.0.0.1:0")).unwrap();
+        let address = listener.local_addr().unwrap();
+        assert!(LIMITS.idle.is_some_and(|idle| idle < STALL));
+        let limits = Limits {
+            idle: Some(Duration::from_millis(500)),
+            ..LIMITS
+        };
+        let app = Router::new().route("/", axum::routing::get(|| async { "here" }));
+        runtime.spawn(accept_within(limits, listener, app));
+        let silent: Vec<_> = (0..4)
+            .map(|_| std::net::TcpStream::connect(address).unwrap())
+            .collect();
+        let mut asks = std::net::TcpStream::connect(address).unwrap();
+        io::Write::write_all(&mut asks, b"GET / HTTP/1.1\r\nHost: x\r\n\r\n").unwrap();
+        for mut stream in silent.into_iter().chain([asks.try_clone().unwrap()]) {
+            stream
+                .set_read_timeout(Some(Duration::from_secs(60)))
+                .unwrap();
+            let mut heard = Vec::new();
+            // Closed, perhaps by a reset; not still open after a minute.
+            if let Err(error) = stream.read_to_end(&mut heard) {
+                assert_eq!(error.kind(), ErrorKind::ConnectionReset, "{error}");
+            }
+            let asked = stream.local_addr().unwrap() == asks.local_addr().unwrap();
+            assert_eq!(heard.ends_with(b"here"), asked);
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! `palpate batch`: its runs have the bits of a daemon's, shards make the whole, nothing is run twice.
 
-use crate::daemon::{Daemon, PROGRAM, SOFT_DROP, device, free_port};
+use crate::daemon::{Daemon, PROGRAM, device, free_port};
+use crate::scenes::SOFT_DROP;
 use palpate::batch::{Cache, Settings, Sweep, Table};
 use palpate_client::proto::rpc::Call;
 use std::collections::BTreeMap;

@@ -4,6 +4,7 @@
 
 use crate::daemon::Daemon;
 use crate::golden::{golden, made_again};
+use crate::scenes::RIGID_TEARDROP;
 use palpate::recording::{Session, info};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -81,8 +82,7 @@ fn a_python_program_presses_a_tool_into_a_running_scene() {
         return;
     };
     let directory = tempfile::tempdir().unwrap();
-    let scene = include_str!("../../scenes/rigid-teardrop.toml");
-    let daemon = Daemon::start(directory.path(), scene, &[]);
+    let daemon = Daemon::start(directory.path(), RIGID_TEARDROP, &[]);
     let example = root().join("clients/python/examples/press.py");
     let text =
         run(Command::new(&python)
@@ -113,11 +113,7 @@ fn a_python_program_decodes_all_that_is_said_and_a_tool_that_leaves_is_told_once
         return;
     };
     let directory = tempfile::tempdir().unwrap();
-    let daemon = Daemon::start(
-        directory.path(),
-        include_str!("../../scenes/rigid-teardrop.toml"),
-        &[],
-    );
+    let daemon = Daemon::start(directory.path(), RIGID_TEARDROP, &[]);
     let script = root().join("tests/readers/hear_all.py");
     let told: Value = serde_json::from_str(&run(Command::new(&python)
         .arg(script)

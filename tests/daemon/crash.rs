@@ -1,6 +1,7 @@
 //! Daemons that are killed, and disks that are full, as processes see them.
 
-use crate::daemon::{Daemon, PROGRAM, SOFT_DROP as SCENE, device};
+use crate::daemon::{Daemon, PROGRAM, device};
+use crate::scenes::SOFT_DROP as SCENE;
 use palpate::recording::{Session, replay};
 use palpate_client::proto::messages::EventKind;
 use palpate_client::proto::rpc::Call;

@@ -4,25 +4,30 @@
 //! what else it needs: `daemon`, a running teardrop; `recording`, a session.mcap; `build`, that
 //! Cargo builds, `npm`, what npm runs in clients/web, and `peer`, another program (these only parsed, in `documents`; what needs a peer runs
 //! with one in the tests of that peer). What would run until it is stopped is given two
-//! seconds, and port 7447 is another for each block.
+//! seconds, what would run for longer than four seconds is given four, and port 7447 is another for each block.
 
 use crate::daemon::{Daemon, PROGRAM, free_port};
 use crate::documents::{Block, blocks, root};
 use crate::golden::made_again;
+use crate::scenes::RIGID_TEARDROP;
 use palpate_client::testing::TestSession;
 use palpate_client::{Connect, Palpate, pose_at};
+use std::collections::BTreeSet;
 use std::os::unix::fs::PermissionsExt as _;
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::time::Duration;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
 
 /// `palpate` as blocks call it.
 const WRAPPER: &str = r#"#!/bin/bash
 args=()
 for word in "$@"; do
   word=${word//7447/$DOC_PORT}
-  case "$word" in 60s) word=2s;; 127.0.0.1:8080) word=127.0.0.1:0;; esac
+  [[ $before = --for && $word =~ ^[0-9]+s$ && ${word%s} -gt 4 ]] && word=4s
+  [ "$word" = 127.0.0.1:8080 ] && word=127.0.0.1:0
   args+=("$word")
+  before=$word
 done
 export XDG_CACHE_HOME="$PWD/.cache"
 has() { for word in "${args[@]}"; do [ "$word" = "$1" ] && return 0; done; return 1; }
@@ -32,6 +37,7 @@ case "$1" in
   demo) has --for || args+=(--for 2s);;
   device) has --list || has --connect || args+=(--connect "tcp/127.0.0.1:$DOC_PORT"); has --for || has --list || args+=(--for 2s);;
   rpc|ls|echo) has --connect || args+=(--connect "tcp/127.0.0.1:$DOC_PORT");;
+  doctor) args+=(--for 200ms --ticks 300);;
   hz) has --connect || args+=(--connect "tcp/127.0.0.1:$DOC_PORT"); short=1;;
   play) args+=(--listen "tcp/127.0.0.1:$DOC_SERVE_PORT"); short=1;;
   lobby) args+=(--http 127.0.0.1:0);;
@@ -39,7 +45,7 @@ case "$1" in
 esac
 if [ $short = 1 ]; then
   # Ended by the signal that Ctrl-C sends.
-  timeout --signal INT --kill-after 20 3 "$DOC_PROGRAM" "${args[@]}" < /dev/null
+  timeout --signal INT --kill-after 20 2 "$DOC_PROGRAM" "${args[@]}" < /dev/null
   code=$?
   [ $code = 124 ] && code=0
   exit $code
@@ -91,10 +97,9 @@ fn run(block: &Block) -> Result<(), String> {
         add_recording(directory.path());
     }
     let daemon = needs("daemon").then(|| {
-        let scene = std::fs::read_to_string(root().join("scenes/rigid-teardrop.toml")).unwrap();
         let kept = directory.path().join("kept");
         let arguments = ["--ring", "30s", "--record-dir", kept.to_str().unwrap()];
-        Daemon::start_at(port, directory.path(), &scene, &arguments)
+        Daemon::start_at(port, directory.path(), RIGID_TEARDROP, &arguments)
     });
     // Without a daemon of its own a block starts the one that its clients connect to.
     let serve_port = if daemon.is_some() { serve_port } else { port };
@@ -138,28 +143,73 @@ fn run(block: &Block) -> Result<(), String> {
     ))
 }
 
-fn run_all(wanted: impl Fn(&Block) -> bool) {
-    let blocks: Vec<Block> = blocks()
-        .into_iter()
-        .filter(|block| {
-            block.language == "sh"
-                && !["build", "npm", "peer"].contains(&block.kind.as_str())
-                && wanted(block)
-        })
-        .collect();
-    assert!(!blocks.is_empty());
-    let failures: Vec<String> = blocks.iter().filter_map(|block| run(block).err()).collect();
+/// Runs the blocks of a document that can be run here, four at a time: most of the time they wait.
+fn run_all(document: &str) {
+    let blocks: Vec<Block> = runnable().filter(|block| of(block) == document).collect();
+    assert!(!blocks.is_empty(), "{document} has no commands");
+    let next = AtomicUsize::new(0);
+    let worker = || -> Vec<String> {
+        std::iter::from_fn(|| blocks.get(next.fetch_add(1, Ordering::Relaxed)))
+            .filter_map(|block| {
+                let begun = Instant::now();
+                let done = run(block);
+                println!("{}: {:.1} s", block.place, begun.elapsed().as_secs_f64());
+                done.err()
+            })
+            .collect()
+    };
+    let failures = std::thread::scope(|scope| {
+        let workers = [(); 4].map(|()| scope.spawn(worker));
+        workers.map(|worker| worker.join().unwrap()).concat()
+    });
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
-#[test]
-fn commands_that_need_no_daemon_run() {
-    run_all(|block| !block.kind.contains("daemon"));
+fn runnable() -> impl Iterator<Item = Block> {
+    blocks().into_iter().filter(|block| {
+        block.language == "sh" && !["build", "npm", "peer"].contains(&block.kind.as_str())
+    })
 }
 
-#[test]
-fn commands_that_need_a_daemon_run() {
-    run_all(|block| block.kind.contains("daemon"));
+/// The document of a block.
+fn of(block: &Block) -> &str {
+    block.place.rsplit_once(':').unwrap().0
+}
+
+/// A test for each document, and one that none is left out.
+macro_rules! documents {
+    ($($test:ident: $document:literal;)*) => {
+        $(
+            #[test]
+            fn $test() {
+                run_all($document);
+            }
+        )*
+
+        #[test]
+        fn the_commands_of_every_document_are_run() {
+            let run = BTreeSet::from([$($document.to_owned()),*]);
+            let all: BTreeSet<String> = runnable().map(|block| of(&block).to_owned()).collect();
+            assert_eq!(run, all);
+        }
+    };
+}
+
+documents! {
+    commands_of_the_readme_run: "README.md";
+    commands_of_batch_run: "docs/batch.md";
+    commands_of_branch_run: "docs/branch.md";
+    commands_of_connect_run: "docs/connect.md";
+    commands_of_deployment_run: "docs/deployment.md";
+    commands_of_devices_run: "docs/devices.md";
+    commands_of_getting_started_run: "docs/getting-started.md";
+    commands_of_merge_run: "docs/merge.md";
+    commands_of_page_run: "docs/page.md";
+    commands_of_recording_run: "docs/recording.md";
+    commands_of_scenarios_run: "docs/scenarios.md";
+    commands_of_scene_run: "docs/scene.md";
+    commands_of_security_run: "docs/security.md";
+    commands_of_wire_run: "docs/wire.md";
 }
 
 // The line is that of the command, not of the fence.
@@ -204,8 +254,7 @@ fn rust_block(document: &str) -> String {
 #[test]
 fn the_client_of_the_readme_feels_the_surface() {
     let directory = tempfile::tempdir().unwrap();
-    let scene = std::fs::read_to_string(root().join("scenes/rigid-teardrop.toml")).unwrap();
-    let daemon = Daemon::start(directory.path(), &scene, &[]);
+    let daemon = Daemon::start(directory.path(), RIGID_TEARDROP, &[]);
     let client = || -> Result<Option<f64>, Box<dyn std::error::Error>> {
         // begin client
         let palpate = Palpate::connect(&Connect::to(&daemon.endpoint))?;
@@ -239,8 +288,7 @@ fn the_test_of_the_recording_guide_passes() {
     let directory = tempfile::tempdir().unwrap();
     let record = directory.path().join("press.mcap");
     let the_test = || -> Result<(), Box<dyn std::error::Error>> {
-        let scene = std::fs::read_to_string(root().join("scenes/rigid-teardrop.toml"))?;
-        let mut session = TestSession::of(&scene)
+        let mut session = TestSession::of(RIGID_TEARDROP)
             .program(PROGRAM)
             .record(&record)
             .start()?;

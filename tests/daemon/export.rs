@@ -477,7 +477,7 @@ fn damaged_files_are_no_reason_to_panic() {
     let mut random = crate::session::Random(17);
     let odd = directory.path().join("odd.mcap");
     let mut read = 0;
-    for k in 0..60 {
+    for k in 0..30 {
         let mut bytes = whole.clone();
         if k % 3 == 0 {
             bytes.truncate(random.below(whole.len()));
@@ -500,7 +500,7 @@ fn damaged_files_are_no_reason_to_panic() {
         let _ = series(&session, &Range::default());
         let _ = net_at(&session, "slab", 100);
     }
-    assert!(read > 20, "only {read} of 60 were read");
+    assert!(read > 10, "only {read} of 30 were read");
     // Numbers that no recorder writes.
     let mut odd = Contents::open(&file).unwrap();
     odd.ticks[50].output.tick = 0;

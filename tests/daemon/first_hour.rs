@@ -1,7 +1,7 @@
 //! What a new user does in the first hour: nothing wrong passes without a sign.
 
-use crate::daemon::{Daemon, PROGRAM, device, free_port};
-use crate::documents::root;
+use crate::daemon::{Daemon, PROGRAM, device, free_port, side_by_side};
+use crate::scenes::RIGID_TEARDROP;
 use palpate_geometry::exchange::{Format, write_mesh};
 use palpate_geometry::math::{Point3, Vector3};
 use palpate_geometry::surface::file::Unit;
@@ -184,7 +184,10 @@ fn millimetres_read_as_metres_do_not_pass() {
     let fit = palpate(path, &["surface", "fit", "mm.stl", "-o", "mm.json"]);
     assert_eq!(code(&fit), 2);
     assert!(words(&fit).contains("--unit mm"), "{}", words(&fit));
-    let done = palpate(path, &["import", "mm.stl", "--unit", "m"]);
+    let done = palpate(
+        path,
+        &["import", "mm.stl", "--unit", "m", "--model", "rigid"],
+    );
     assert_eq!(code(&done), 1, "{}", words(&done));
     assert!(
         words(&done).contains("is its file in millimetres"),
@@ -223,13 +226,13 @@ fn check_says_which_rate_a_scene_holds() {
     let (tick_us, holds) = (&report["tick_us"], &report["holds_hz"]);
     let product = tick_us.as_f64().unwrap() * holds.as_f64().unwrap();
     assert!((product / 1e6 - 1.0).abs() < 0.01, "{report}");
-    let slow = "[loop]\nrate_hz = 4000\n[[body]]\nid = \"drop\"\nsurface = { builtin = \"teardrop\" }\nmodel = \"continuum\"\n\
-                lattice = { layers = 4, refine = [40, 41] }\n\
+    let slow = "[loop]\nrate_hz = 10000\n[[body]]\nid = \"drop\"\nsurface = { builtin = \"teardrop\", net = [8, 8] }\n\
+                model = \"continuum\"\nlattice = { layers = 6, refine = \"none\" }\nintegrator = { iterations = 10 }\n\
                 [[tool]]\nid = \"ball\"\nshape = { sphere = { radius_m = 0.01 } }\npose = { position = [0.06, 0.0, 0.045] }\n";
     std::fs::write(directory.path().join("slow.toml"), slow).unwrap();
     let slow = palpate(directory.path(), &["check", "slow.toml"]);
     assert!(
-        words(&slow).contains("too slow for 4000 Hz"),
+        words(&slow).contains("too slow for 10000 Hz"),
         "{}",
         words(&slow)
     );
@@ -345,6 +348,14 @@ fn serve_says_where_it_listens_and_ends_by_the_clock() {
 }
 
 #[test]
+fn daemons_and_devices_say_for_whom_they_wait_and_who_has_what() {
+    side_by_side![
+        a_daemon_that_nobody_uses_ends_and_lockstep_says_for_whom_it_waits,
+        a_device_waits_for_its_daemon_and_a_second_one_is_refused,
+        hz_prints_while_it_watches_and_echo_names_flags,
+    ];
+}
+
 fn a_daemon_that_nobody_uses_ends_and_lockstep_says_for_whom_it_waits() {
     let directory = tempfile::tempdir().unwrap();
     let arguments = [
@@ -353,7 +364,7 @@ fn a_daemon_that_nobody_uses_ends_and_lockstep_says_for_whom_it_waits() {
         "--clock",
         "lockstep",
         "--idle-timeout",
-        "7s",
+        "6s",
     ];
     let done = serve(directory.path(), &arguments)
         .wait_with_output()
@@ -369,11 +380,7 @@ fn a_daemon_that_nobody_uses_ends_and_lockstep_says_for_whom_it_waits() {
 #[test]
 fn a_daemon_that_connects_leaves_the_routers_port_alone() {
     let directory = tempfile::tempdir().unwrap();
-    let router = Daemon::start(
-        directory.path(),
-        include_str!("../../scenes/rigid-teardrop.toml"),
-        &[],
-    );
+    let router = Daemon::start(directory.path(), RIGID_TEARDROP, &[]);
     let mut child = serve(
         directory.path(),
         &[
@@ -390,7 +397,6 @@ fn a_daemon_that_connects_leaves_the_routers_port_alone() {
     assert_eq!(code(&child.wait_with_output().unwrap()), 0);
 }
 
-#[test]
 fn a_device_waits_for_its_daemon_and_a_second_one_is_refused() {
     let directory = tempfile::tempdir().unwrap();
     let port = free_port();
@@ -402,7 +408,7 @@ fn a_device_waits_for_its_daemon_and_a_second_one_is_refused() {
             "--tool",
             "ball",
             "--for",
-            "15s",
+            "5s",
             "--wait",
             "60s",
             "--connect",
@@ -414,12 +420,7 @@ fn a_device_waits_for_its_daemon_and_a_second_one_is_refused() {
         .spawn()
         .unwrap();
     std::thread::sleep(Duration::from_millis(500));
-    let daemon = Daemon::start_at(
-        port,
-        directory.path(),
-        include_str!("../../scenes/rigid-teardrop.toml"),
-        &[],
-    );
+    let daemon = Daemon::start_at(port, directory.path(), RIGID_TEARDROP, &[]);
     let palpate_client = daemon.connect();
     let begun = Instant::now();
     while palpate_client.device("ball").is_err() {
@@ -537,7 +538,7 @@ fn a_tool_with_two_shapes_or_none_is_told_which_there_are() {
 fn a_tool_that_starts_inside_a_body_is_told_where_it_could_start() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path();
-    let scene = std::fs::read_to_string(root().join("scenes/rigid-teardrop.toml")).unwrap();
+    let scene = RIGID_TEARDROP;
     let inside = scene.replace(
         "position = [0.06, 0.003, 0.045]",
         "position = [0.0, 0.003, 0.045]",
@@ -633,63 +634,37 @@ fn logs_are_json_where_asked_for() {
     }
 }
 
-#[test]
 fn hz_prints_while_it_watches_and_echo_names_flags() {
     let directory = tempfile::tempdir().unwrap();
-    let scene = std::fs::read_to_string(root().join("scenes/rigid-teardrop.toml")).unwrap();
-    let daemon = Daemon::start(directory.path(), &scene, &[]);
-    let watched = palpate(
-        directory.path(),
-        &[
-            "hz",
-            "status",
-            "--for",
-            "3500ms",
-            "--connect",
-            &daemon.endpoint,
-        ],
-    );
-    let said = String::from_utf8_lossy(&watched.stdout).into_owned();
-    assert!(
-        said.matches("Hz now").count() >= 2 && said.contains("period p50"),
-        "{said}"
-    );
-    // A tool that does not exist is named, not the body that it was to press.
-    let wrong = [
-        "device",
-        "--tool",
-        "bll",
-        "--for",
-        "1s",
-        "--connect",
-        &daemon.endpoint,
-    ];
-    let wrong = palpate(directory.path(), &wrong);
-    assert_eq!(code(&wrong), 2);
-    assert!(
-        words(&wrong).contains("no tool \"bll\"; it has ball"),
-        "{}",
-        words(&wrong)
-    );
-    let endpoint = daemon.endpoint.clone();
-    let pressing =
-        std::thread::spawn(move || device(&endpoint, &["--motion", "press", "--for", "3s"]));
-    let echoed = palpate(
-        directory.path(),
-        &[
-            "echo",
-            "tool/ball/force",
-            "--count",
-            "200",
-            "--for",
-            "5s",
-            "--connect",
-            &daemon.endpoint,
-        ],
-    );
-    let said = String::from_utf8_lossy(&echoed.stdout).into_owned();
-    pressing.join().unwrap();
-    assert!(said.contains("\"RAMPING\""), "{said}");
+    let daemon = Daemon::start(directory.path(), RIGID_TEARDROP, &[]);
+    let endpoint = daemon.endpoint.as_str();
+    let run = |arguments: &[&str]| {
+        let arguments = [arguments, &["--connect", endpoint]].concat();
+        let output = palpate(directory.path(), &arguments);
+        let said = String::from_utf8_lossy(&output.stdout).into_owned();
+        (output, said)
+    };
+    std::thread::scope(|scope| {
+        let watched = scope.spawn(|| run(&["hz", "status", "--for", "3500ms"]));
+        // A tool that does not exist is named, not the body that it was to press.
+        let (wrong, _) = run(&["device", "--tool", "bll", "--for", "1s"]);
+        assert_eq!(code(&wrong), 2);
+        assert!(
+            words(&wrong).contains("no tool \"bll\"; it has ball"),
+            "{}",
+            words(&wrong)
+        );
+        let echo = ["echo", "tool/ball/force", "--count", "200", "--for", "5s"];
+        let echoed = scope.spawn(move || run(&echo));
+        device(endpoint, &["--motion", "press", "--for", "2s"]);
+        let (_, said) = echoed.join().unwrap();
+        assert!(said.contains("\"RAMPING\""), "{said}");
+        let (_, said) = watched.join().unwrap();
+        assert!(
+            said.matches("Hz now").count() >= 2 && said.contains("period p50"),
+            "{said}"
+        );
+    });
 }
 
 #[test]
@@ -805,7 +780,9 @@ fn scans_in_ply_and_gltf_are_imported() {
     std::fs::write(path.join("scan.ply"), ply).unwrap();
     let imported = palpate(
         path,
-        &["import", "scan.glb", "--net", "20x20", "-o", "a.toml"],
+        &[
+            "import", "scan.glb", "--net", "20x20", "--model", "rigid", "-o", "a.toml",
+        ],
     );
     assert_eq!(code(&imported), 0, "{}", words(&imported));
     let asked = palpate(path, &["import", "scan.ply", "-o", "b.toml"]);

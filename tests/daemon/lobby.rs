@@ -1,6 +1,6 @@
 //! `palpate lobby`: who asks for a scene gets a daemon of its own, and nothing else.
 
-use crate::daemon::{PROGRAM, device};
+use crate::daemon::{PROGRAM, device, side_by_side};
 use crate::page::Answer;
 use crate::session::Random;
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
@@ -139,6 +139,14 @@ fn folder(directory: &Path) -> String {
 }
 
 #[test]
+fn sessions_of_a_lobby_begin_and_end() {
+    side_by_side![
+        a_device_presses_in_a_scene_that_it_got_from_the_lobby,
+        a_full_lobby_says_when_to_come_again_and_lets_in_who_comes_after_an_end,
+        garbage_is_refused_and_the_lobby_goes_on,
+    ];
+}
+
 fn a_device_presses_in_a_scene_that_it_got_from_the_lobby() {
     let directory = tempfile::tempdir().unwrap();
     let lobby = Lobby::start(&["--max", "2", "--scenes", &folder(directory.path())]);
@@ -199,14 +207,13 @@ fn a_device_presses_in_a_scene_that_it_got_from_the_lobby() {
     lobby.session("drop");
 }
 
-#[test]
 fn a_full_lobby_says_when_to_come_again_and_lets_in_who_comes_after_an_end() {
-    let lobby = Lobby::start(&["--max", "1", "--idle-timeout", "4s"]);
+    let lobby = Lobby::start(&["--max", "1", "--idle-timeout", "2s"]);
     let first = lobby.session("builtin:rigid-teardrop");
     let full = lobby.start_session("builtin:rigid-teardrop");
     assert_eq!(full.status, 503, "{}", full.text());
     assert!(
-        full.head.contains("\r\nretry-after: 4\r\n"),
+        full.head.contains("\r\nretry-after: 2\r\n"),
         "{}",
         full.head
     );
@@ -263,7 +270,6 @@ fn only_scenes_of_the_list_are_started() {
     assert!(lobby.sessions().is_empty());
 }
 
-#[test]
 fn garbage_is_refused_and_the_lobby_goes_on() {
     let lobby = Lobby::start(&[]);
     let long = format!(r#"{{"scene": "{}"}}"#, "x".repeat(5_000));

@@ -10,6 +10,8 @@ mod daemon;
 mod live;
 #[path = "common/page.rs"]
 mod page;
+#[path = "common/scenes.rs"]
+mod scenes;
 #[path = "common/session.rs"]
 mod session;
 

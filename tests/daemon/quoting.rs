@@ -45,7 +45,7 @@ fn no_refusal_repeats_what_stands_in_a_file() {
         std::fs::write(folder.join(name), text).unwrap();
     };
     let (drop, ball) = (
-        "{ builtin = \"teardrop\" }",
+        "{ builtin = \"teardrop\", net = [8, 8] }",
         "{ sphere = { radius_m = 0.01 } }",
     );
     let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
@@ -79,8 +79,10 @@ fn no_refusal_repeats_what_stands_in_a_file() {
             format!("{kind}.json5"),
             format!("{kind}.yaml"),
         ] {
-            door(&format!("serve builtin:teardrop --zenoh-config {file}"));
-            door(&format!("serve builtin:teardrop --identity {file}"));
+            door(&format!(
+                "serve builtin:rigid-teardrop --zenoh-config {file}"
+            ));
+            door(&format!("serve builtin:rigid-teardrop --identity {file}"));
         }
         for command in [
             "info",
@@ -126,7 +128,7 @@ fn a_refusal_says_where_it_stopped_and_what_belongs_there() {
     write("hand.toml", "mass_kg = \"heavy\"\n");
     write("points.csv", "1, 2, 3\n1, two, 3\n");
     write("scan.obj", "v 1 2 3\nv 1 two 3\n");
-    let config = "serve builtin:teardrop --zenoh-config ";
+    let config = "serve builtin:rigid-teardrop --zenoh-config ";
     for (arguments, words) in [
         (
             config,

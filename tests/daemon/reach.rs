@@ -1,6 +1,7 @@
 //! What reaches a client, as the daemon's metrics tell it.
 
-use crate::daemon::{Daemon, PROGRAM, SOFT_DROP, device};
+use crate::daemon::{Daemon, PROGRAM, device};
+use crate::scenes::SOFT_DROP;
 use crate::wire::{bare, until};
 use palpate_client::pose_at;
 use palpate_client::proto::codec::{decode, encode};

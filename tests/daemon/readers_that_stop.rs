@@ -4,6 +4,7 @@
 //! while everything that they ask still comes in.
 
 use crate::daemon::{Daemon, free_port};
+use crate::scenes::{RIGID_TEARDROP, with_large_net};
 use palpate_client::Palpate;
 use palpate_client::proto::messages::{EventKind, LoopState};
 use palpate_client::proto::rpc::Call;
@@ -122,21 +123,22 @@ fn commanded(palpate: &Palpate, call: Call, late: &Lateness) -> Duration {
 
 #[test]
 fn a_pause_and_a_shutdown_wait_for_no_reader_that_has_stopped() {
-    // A large net: its snapshots do not fit into the buffers of a socket.
-    let scene = format!(
-        "{}\n[[body]]\nid = \"far\"\nsurface = {{ builtin = \"sheet\", net = [128, 128], size = 0.1 }}\n\
-         pose = {{ position = [0.0, 0.0, -1.0] }}\n",
-        include_str!("../../scenes/rigid-teardrop.toml")
-    );
+    let scene = with_large_net();
     let directory = tempfile::tempdir().unwrap();
     let daemon = Daemon::start(directory.path(), &scene, &[]);
     let palpate = daemon.connect();
     let late = Lateness::watch();
     let quiet = commanded(&palpate, Call::Pause, &late);
     palpate.rpc(Call::Resume).unwrap();
-    let open = |tap: &Tap| crate::wire::bare(&tap.endpoint);
     let taps: Vec<Tap> = (0..9).map(|_| Tap::to(&daemon)).collect();
-    let sessions: Vec<zenoh::Session> = taps.iter().map(open).collect();
+    let sessions: Vec<zenoh::Session> = std::thread::scope(|scope| {
+        let open = |tap: &Tap| {
+            let endpoint = tap.endpoint.clone();
+            scope.spawn(move || crate::wire::bare(&endpoint))
+        };
+        let opening: Vec<_> = taps.iter().map(open).collect();
+        opening.into_iter().map(|one| one.join().unwrap()).collect()
+    });
     let mut kept = Vec::new();
     let mut subscribers = Vec::new();
     for (k, (tap, session)) in taps.iter().zip(&sessions).enumerate() {
@@ -185,8 +187,7 @@ fn a_pause_and_a_shutdown_wait_for_no_reader_that_has_stopped() {
 #[test]
 fn connections_that_say_nothing_or_trickle_keep_no_client_out() {
     let directory = tempfile::tempdir().unwrap();
-    let scene = include_str!("../../scenes/rigid-teardrop.toml");
-    let daemon = Daemon::start(directory.path(), scene, &[]);
+    let daemon = Daemon::start(directory.path(), RIGID_TEARDROP, &[]);
     let address = daemon.endpoint.trim_start_matches("tcp/").to_owned();
     let over = AtomicBool::new(false);
     std::thread::scope(|scope| {

@@ -1,7 +1,8 @@
 //! `palpate relay`: nets are thinned, forces are not, and behind a read-only one nobody writes.
 
 use crate::access::request;
-use crate::daemon::{Daemon, PROGRAM, SOFT_DROP, device, free_port};
+use crate::daemon::{Daemon, PROGRAM, device, free_port, side_by_side};
+use crate::scenes::SOFT_DROP;
 use palpate::auth::{Authority, Role};
 use palpate::relay::{Relay, RelayError, RelaySettings};
 use palpate_client::{ClientError, Connect, Palpate};
@@ -60,6 +61,15 @@ fn watch(endpoint: &str) -> std::process::Child {
 }
 
 #[test]
+fn relays() {
+    side_by_side![
+        nets_are_thinned_forces_are_not_and_relays_chain,
+        behind_a_read_only_relay_everything_can_be_seen_and_nothing_done,
+        a_daemon_that_was_started_again_is_seen_again_and_still_read_only,
+        a_relay_without_a_daemon_or_open_to_all_is_refused,
+    ];
+}
+
 fn nets_are_thinned_forces_are_not_and_relays_chain() {
     let directory = tempfile::tempdir().unwrap();
     let daemon = Daemon::start(directory.path(), SOFT_DROP, &[]);
@@ -88,7 +98,6 @@ fn nets_are_thinned_forces_are_not_and_relays_chain() {
     assert!(farther[force].0 * 10 > near[force].0 * 7);
 }
 
-#[test]
 fn behind_a_read_only_relay_everything_can_be_seen_and_nothing_done() {
     let directory = tempfile::tempdir().unwrap();
     let daemon = Daemon::start(directory.path(), SOFT_DROP, &[]);
@@ -110,13 +119,18 @@ fn behind_a_read_only_relay_everything_can_be_seen_and_nothing_done() {
         std::thread::sleep(std::time::Duration::from_millis(20));
     }
     // Poses and descriptions of devices do not arrive, commands are not carried out.
-    let (report, code) = device(&relay.endpoint, &["--for", "1s"]);
-    assert_ne!(code, 0, "{report}");
-    for method in ["pause", "reset", "shutdown", "record_start"] {
-        let arguments = ["rpc", method, "--connect", &relay.endpoint];
-        let (out, err, code) = palpate(&arguments);
-        assert_eq!(code, 2, "{method}: {out} {err}");
-    }
+    // At the same time: who gets no answer waits for it.
+    std::thread::scope(|scope| {
+        for method in ["pause", "reset", "shutdown", "record_start"] {
+            let arguments = ["rpc", method, "--connect", &relay.endpoint];
+            scope.spawn(move || {
+                let (out, err, code) = palpate(&arguments);
+                assert_eq!(code, 2, "{method}: {out} {err}");
+            });
+        }
+        let (report, code) = device(&relay.endpoint, &["--for", "1s"]);
+        assert_ne!(code, 0, "{report}");
+    });
     let status = direct.status().unwrap();
     assert_eq!(
         (status.tools[0].received, status.state as u8),
@@ -162,7 +176,6 @@ fn behind_a_read_only_relay_everything_can_be_seen_and_nothing_done() {
     assert_eq!(code, 0, "{report}");
 }
 
-#[test]
 fn a_daemon_that_was_started_again_is_seen_again_and_still_read_only() {
     let directory = tempfile::tempdir().unwrap();
     let port = free_port();
@@ -184,7 +197,6 @@ fn a_daemon_that_was_started_again_is_seen_again_and_still_read_only() {
     assert_eq!(daemon.connect().status().unwrap().state as u8, 0);
 }
 
-#[test]
 fn a_relay_without_a_daemon_or_open_to_all_is_refused() {
     let settings = |from: &str, listen: &str| RelaySettings {
         from: from.into(),
@@ -197,10 +209,6 @@ fn a_relay_without_a_daemon_or_open_to_all_is_refused() {
     };
     let nobody = format!("tcp/127.0.0.1:{}", free_port());
     let error = |settings| Relay::open(settings).err().unwrap();
-    assert!(matches!(
-        error(settings(&nobody, "tcp/127.0.0.1:0")),
-        RelayError::Unreachable { .. }
-    ));
     for open in ["tcp/0.0.0.0:7447", "tcp/[::]:7447", "tcp/192.168.1.4:7447"] {
         let error = error(settings(&nobody, open));
         assert!(
@@ -226,7 +234,15 @@ fn a_relay_without_a_daemon_or_open_to_all_is_refused() {
         read_only: true,
         ..encrypted
     };
-    assert!(matches!(error(guarded), RelayError::Unreachable { .. }));
+    // At the same time: a daemon is waited for.
+    std::thread::scope(|scope| {
+        for settings in [guarded, settings(&nobody, "tcp/127.0.0.1:0")] {
+            scope.spawn(move || {
+                let error = error(settings);
+                assert!(matches!(error, RelayError::Unreachable { .. }), "{error}");
+            });
+        }
+    });
     let slow = RelaySettings {
         net_hz: Some(f64::NAN),
         ..settings(&nobody, "tcp/127.0.0.1:0")

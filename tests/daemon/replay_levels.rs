@@ -17,6 +17,12 @@ use std::path::Path;
 use std::process::Command as Process;
 use std::sync::Arc;
 
+/// Puts a world to its start, with new buffers.
+fn begin(world: &mut World) {
+    world.state = world.scene.initial_state();
+    world.scratch = world.scene.scratch(&world.state);
+}
+
 /// A run with its outputs, from a state on.
 fn run(world: &mut World, script: &Script, from: u64, until: u64) -> Vec<TickOutput> {
     let outputs = (from..until).map(|tick| {
@@ -37,9 +43,13 @@ fn save_advance_restore_advance_comes_to_the_same_bits() {
     const TICKS: u64 = 240;
     let mut touched = 0;
     for (name, text) in scenes() {
+        let [mut world, mut apart] = [(); 2].map(|()| World::new(&text));
+        let scene = Arc::new(World::new(&text).scene);
         for seed in 1..=3 {
             let script = Script::new(seed, TICKS, true);
-            let mut world = World::new(&text);
+            for world in [&mut world, &mut apart] {
+                begin(world);
+            }
             let at = 20 + Random(seed).below(TICKS as usize - 40) as u64;
             run(&mut world, &script, 0, at);
             let mut saved = SavedState::default();
@@ -71,12 +81,10 @@ fn save_advance_restore_advance_comes_to_the_same_bits() {
             restore(&world.scene, &mut world.state, &mut world.scratch, &saved).unwrap();
             assert_eq!(state_hash(&world.state), hash);
             same(&run(&mut world, &script, at, TICKS), "used buffers");
-            let mut fresh = World::new(&text);
-            restore(&fresh.scene, &mut fresh.state, &mut fresh.scratch, &saved).unwrap();
-            same(&run(&mut fresh, &script, at, TICKS), "new buffers");
-            let scene = Arc::new(World::new(&text).scene);
+            begin(&mut world);
+            restore(&world.scene, &mut world.state, &mut world.scratch, &saved).unwrap();
+            same(&run(&mut world, &script, at, TICKS), "new buffers");
             if let Some(workers) = Workers::start(&scene).unwrap() {
-                let mut apart = World::new(&text);
                 apart.scratch.set_pipeline(Box::new(workers));
                 run(&mut apart, &Script::new(seed + 200, TICKS, true), 0, 30);
                 restore(&apart.scene, &mut apart.state, &mut apart.scratch, &saved).unwrap();
@@ -94,9 +102,10 @@ fn a_reset_goes_on_as_new_buffers_would() {
     const TICKS: u64 = 200;
     let mut touched = 0;
     for (name, text) in scenes() {
+        let mut world = World::new(&text);
+        let scene = Arc::new(World::new(&text).scene);
         for seed in 1..=2 {
-            let mut world = World::new(&text);
-            let scene = Arc::new(World::new(&text).scene);
+            begin(&mut world);
             if let Some(workers) = Workers::start(&scene).unwrap() {
                 world.scratch.set_pipeline(Box::new(workers));
             }

@@ -1,7 +1,8 @@
 //! Sessions end to end: a daemon and a simulated device as separate processes, recordings, replay,
 //! garbage.
 
-use crate::daemon::{Daemon, SOFT_DROP as SCENE, device};
+use crate::daemon::{Daemon, device};
+use crate::scenes::SOFT_DROP as SCENE;
 use palpate::recording::{Contents, Session, info, recover, replay};
 use palpate_client::pose_at;
 use palpate_client::proto::rpc::Call;

@@ -46,10 +46,11 @@ fn delays_make_energy_and_the_controller_takes_it() {
     }
 }
 
+// The bench itself has a thousand.
 #[test]
-fn a_thousand_hands_get_no_more_energy_than_they_gave() {
-    let report = hands(1_000, 7);
-    assert!(report.touched > 800, "{report:?}");
+fn five_hundred_hands_get_no_more_energy_than_they_gave() {
+    let report = hands(500, 7);
+    assert!(report.touched > 400, "{report:?}");
     assert!(report.worst_of_quantum <= 1.0, "{report:?}");
 }
 

@@ -101,35 +101,47 @@ fn identities_are_made_shown_and_never_overwritten() {
     assert!(zenoh::Config::from_file(text).is_ok());
 }
 
-#[test]
-fn a_device_presses_with_its_own_identity_and_a_viewer_gives_no_commands() {
+pub(super) fn a_device_presses_with_its_own_identity_and_a_viewer_gives_no_commands() {
     let secured = Secured::start();
     let ball = secured.identity(Role::tool("ball").unwrap());
+    let viewer = secured.identity(Role::Viewer);
     let device = [
         "device", "--motion", "press", "--depth", "0.004", "--for", "2s", "--json",
     ];
-    let (code, words) = secured.palpate(&[&device[..], &["--tool", "ball"]].concat(), &ball);
-    assert_eq!(code, 0, "{words}");
-    let report = words.lines().find(|line| line.starts_with('{')).unwrap();
-    let report: serde_json::Value = serde_json::from_str(report).unwrap();
-    println!("{report}");
-    // Another's tool: no force comes.
-    let (code, words) = secured.palpate(&[&device[..], &["--tool", "pen"]].concat(), &ball);
-    assert_ne!(code, 0, "{words}");
-    let viewer = secured.identity(Role::Viewer);
-    for arguments in [
-        &["ls"][..],
-        &["echo", "status", "--count", "2"],
-        &["hz", "status", "--for", "1s"],
-    ] {
-        let (code, words) = secured.palpate(arguments, &viewer);
-        assert_eq!(code, 0, "{arguments:?}: {words}");
-    }
-    let (code, words) = secured.palpate(&["rpc", "pause"], &viewer);
-    assert!(
-        code == 2 && words.contains("may this identity ask it"),
-        "{words}"
-    );
+    // All at the same time: who is refused waits for an answer.
+    std::thread::scope(|scope| {
+        let secured = &secured;
+        let run = |arguments: &[&'static str], identity| {
+            let arguments = arguments.to_vec();
+            scope.spawn(move || secured.palpate(&arguments, identity))
+        };
+        let own = run(&[&device[..], &["--tool", "ball"]].concat(), &ball);
+        let of_another = run(&[&device[..], &["--tool", "pen"]].concat(), &ball);
+        let paused = run(&["rpc", "pause"], &viewer);
+        let looks = [
+            &["ls"][..],
+            &["echo", "status", "--count", "2"],
+            &["hz", "status", "--for", "1s"],
+        ]
+        .map(|arguments| (arguments, run(arguments, &viewer)));
+        let (code, words) = own.join().unwrap();
+        assert_eq!(code, 0, "{words}");
+        let report = words.lines().find(|line| line.starts_with('{')).unwrap();
+        let report: serde_json::Value = serde_json::from_str(report).unwrap();
+        println!("{report}");
+        // Another's tool: no force comes.
+        let (code, words) = of_another.join().unwrap();
+        assert_ne!(code, 0, "{words}");
+        for (arguments, looked) in looks {
+            let (code, words) = looked.join().unwrap();
+            assert_eq!(code, 0, "{arguments:?}: {words}");
+        }
+        let (code, words) = paused.join().unwrap();
+        assert!(
+            code == 2 && words.contains("may this identity ask it"),
+            "{words}"
+        );
+    });
     let (code, words) = secured.palpate(&["rpc", "pause"], &secured.identity(Role::Operator));
     assert_eq!(code, 0, "{words}");
 }

@@ -9,30 +9,35 @@ mod roles;
 mod router;
 mod strangers;
 
-use crate::daemon::{PROGRAM, free_port};
+use crate::daemon::{PROGRAM, free_port, side_by_side};
+use crate::scenes::TWO_BALLS as SCENE;
 use palpate::auth::{Authority, Request, Role};
 use palpate::transport::{Access, SessionError, SessionSettings};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Two balls on a rigid drop.
-const SCENE: &str = r#"
-[[body]]
-id = "drop"
-surface = { builtin = "teardrop" }
-model = "rigid"
-[[tool]]
-id = "ball"
-shape = { sphere = { radius_m = 0.01 } }
-pose = { position = [0.06, 0.003, 0.045] }
-[[tool]]
-id = "pen"
-shape = { sphere = { radius_m = 0.01 } }
-pose = { position = [-0.06, 0.003, 0.045] }
-"#;
-
 const YEAR: Duration = Duration::from_secs(365 * 86_400);
+
+#[test]
+fn of_two_machines_one_comes_in_by_its_role_alone_and_stays_behind_routers() {
+    side_by_side![
+        links::behind_a_router_with_our_rules_a_link_without_certificate_is_this_machines_only_on_loopback,
+        links::a_router_of_strangers_sees_a_daemon_only_if_that_was_allowed_and_then_it_is_said,
+        router::a_router_with_tls_between_two_machines_goes_and_comes_back_and_the_force_with_it,
+        namespaces::another_machine_comes_in_with_its_role_and_without_one_not_at_all,
+    ];
+}
+
+#[test]
+fn strangers_are_kept_out_and_an_identity_lets_in_as_long_and_as_far_as_it_says() {
+    side_by_side![
+        strangers::strangers_are_refused_and_told_why,
+        strangers::strangers_are_refused_over_quic_too,
+        strangers::a_link_ends_when_its_certificate_does,
+        commands::a_device_presses_with_its_own_identity_and_a_viewer_gives_no_commands,
+    ];
+}
 
 pub fn request(role: Role) -> Request {
     let hosts = match role {

@@ -42,13 +42,11 @@ fn write(path: &Path, text: &str) {
     private(path);
 }
 
-#[test]
-fn strangers_are_refused_and_told_why() {
+pub(super) fn strangers_are_refused_and_told_why() {
     strangers("tls");
 }
 
-#[test]
-fn strangers_are_refused_over_quic_too() {
+pub(super) fn strangers_are_refused_over_quic_too() {
     strangers("quic");
 }
 
@@ -174,11 +172,12 @@ fn false_daemons(protocol: &str) {
 }
 
 // Short-lived certificates are the only way to take rights back: links must not outlive them.
-#[test]
-fn a_link_ends_when_its_certificate_does() {
-    for protocol in ["tls", "quic"] {
-        ended_link(protocol);
-    }
+pub(super) fn a_link_ends_when_its_certificate_does() {
+    std::thread::scope(|scope| {
+        for protocol in ["tls", "quic"] {
+            scope.spawn(move || ended_link(protocol));
+        }
+    });
 }
 
 fn ended_link(protocol: &str) {

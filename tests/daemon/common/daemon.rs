@@ -10,31 +10,6 @@ use std::time::{Duration, Instant};
 
 pub const PROGRAM: &str = env!("CARGO_BIN_EXE_palpate");
 
-/// A drop that gives way, and a ball beside it.
-pub const SOFT_DROP: &str = r#"
-[[body]]
-id = "drop"
-surface = { builtin = "teardrop" }
-model = "lattice"
-lattice = { layers = 2, refine = [12, 13] }
-fixed = [{ point = [0.0, 0.0, 0.015], normal = [0.0, 0.0, 1.0] }]
-[[tool]]
-id = "ball"
-shape = { sphere = { radius_m = 0.01 } }
-pose = { position = [0.06, 0.003, 0.045] }
-"#;
-
-/// [`SOFT_DROP`] at a rate that no machine keeps: the body never sleeps, and a step of it takes as long as ten
-/// ticks.
-pub fn too_slow() -> String {
-    let awake = "model = \"lattice\"\nintegrator = { sleep_m_s = 0.0 }";
-    let drop = SOFT_DROP
-        .replace("refine = [12, 13]", "refine = [40, 41]")
-        .replace("layers = 2", "layers = 5")
-        .replace("model = \"lattice\"", awake);
-    format!("[loop]\nrate_hz = 10000\n{drop}")
-}
-
 /// A port that nobody listens on and no other test of this program gets, below those that the system
 /// gives to connections.
 pub fn free_port() -> u16 {
@@ -129,4 +104,26 @@ pub fn device(endpoint: &str, arguments: &[&str]) -> (String, i32) {
         String::from_utf8_lossy(&output.stdout).into_owned(),
         output.status.code().unwrap_or(-1),
     )
+}
+
+/// Runs parts of a test at the same time, each under its name: those that wait more than they compute.
+macro_rules! side_by_side {
+    ($($part:path),* $(,)?) => {
+        crate::daemon::run_side_by_side(&[$((stringify!($part), $part)),*])
+    };
+}
+pub(crate) use side_by_side;
+
+pub fn run_side_by_side(parts: &[(&str, fn())]) {
+    std::thread::scope(|scope| {
+        let run = |(name, part): &(&str, fn())| {
+            let thread = std::thread::Builder::new().name((*name).to_owned());
+            thread.spawn_scoped(scope, *part).unwrap()
+        };
+        let running: Vec<_> = parts.iter().map(run).collect();
+        let ended: Vec<_> = running.into_iter().map(|part| part.join()).collect();
+        let failed = parts.iter().zip(ended).filter(|(_, end)| end.is_err());
+        let failed: Vec<&str> = failed.map(|((name, _), _)| *name).collect();
+        assert!(failed.is_empty(), "failed: {failed:?}");
+    });
 }

@@ -2,6 +2,7 @@
 #![allow(dead_code)]
 
 use crate::common::pose;
+pub use crate::scenes::RIGID;
 use palpate::drive::journal::Journal;
 use palpate::drive::nets::NetPool;
 use palpate::recording::{
@@ -15,21 +16,6 @@ use palpate_sim::tick::{SceneState, Scratch};
 use palpate_sim::tick::{apply, step_into};
 use std::path::Path;
 use std::time::Duration;
-
-/// Presses of 6 mm every half second.
-pub const RIGID: &str = r#"
-name = "rigid-teardrop"
-[[body]]
-id = "drop"
-surface = { builtin = "teardrop", net = [8, 8] }
-[[tool]]
-id = "ball"
-shape = { sphere = { radius_m = 0.01 } }
-pose = { position = [0.06, 0.003, 0.045] }
-coupling = { stiffness_n_m = 1000.0, damping_n_s_m = 0.0 }
-[record]
-keyframe_s = 0.2
-"#;
 
 /// A soft drop and a soft sheet below it, a ball for the one and a pen for the other.
 pub const SOFT: &str = r#"

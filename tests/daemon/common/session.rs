@@ -2,6 +2,7 @@
 #![allow(dead_code)]
 
 use crate::common::pose;
+pub use crate::scenes::RIGID;
 use palpate::drive::journal::Journal;
 use palpate::drive::nets::NetPool;
 use palpate::recording::{Recorder, RecorderSettings, RecordingSummary};
@@ -13,21 +14,6 @@ use palpate_sim::tick::record::{Command, TickInput, TickRecord};
 use palpate_sim::tick::{apply, step};
 use std::path::Path;
 use std::time::Duration;
-
-/// A rigid drop and a ball beside it.
-pub const RIGID: &str = r#"
-name = "rigid-teardrop"
-[[body]]
-id = "drop"
-surface = { builtin = "teardrop", net = [8, 8] }
-[[tool]]
-id = "ball"
-shape = { sphere = { radius_m = 0.01 } }
-pose = { position = [0.06, 0.003, 0.045] }
-coupling = { stiffness_n_m = 1000.0, damping_n_s_m = 0.0 }
-[record]
-keyframe_s = 0.2
-"#;
 
 /// A slab of 0.1 m × 0.1 m with its underside and an edge fixed, and a ball of 20 mm above it.
 pub fn slab(model: &str, lattice: &str, more: &str) -> String {

@@ -1,7 +1,8 @@
 //! Live views: `/foxglove` and `--foxglove`.
 
-use crate::daemon::{Daemon, SOFT_DROP, free_port};
+use crate::daemon::{Daemon, free_port};
 use crate::page::{serve, wait_for};
+use crate::scenes::SOFT_DROP;
 use palpate_client::pose_at;
 use palpate_proto::recording::descriptors;
 use serde_json::{Value, json};

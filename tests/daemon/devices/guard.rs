@@ -7,7 +7,7 @@ use palpate_devices::ros2::{Empty, OperatingState, PoseStamped, WrenchStamped};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-const SCENE: &str = include_str!("../../../scenes/rigid-teardrop.toml");
+use crate::scenes::RIGID_TEARDROP as SCENE;
 
 struct Process(Child);
 
@@ -133,8 +133,7 @@ fn a_guard_takes_a_force_up_from_nothing() {
     }
 }
 
-#[test]
-fn the_simulated_arm_is_pressed_by_the_daemon_over_ros() {
+pub fn the_simulated_arm_is_pressed_by_the_daemon_over_ros() {
     let directory = tempfile::tempdir().unwrap();
     let text = format!("{SCENE}\n[[ros2.tool]]\ntool = \"ball\"\n");
     let daemon = Daemon::start(directory.path(), &text, &["--ros2"]);

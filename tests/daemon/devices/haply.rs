@@ -8,7 +8,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 use tungstenite::{Message, WebSocket};
 
-const SCENE: &str = include_str!("../../../scenes/rigid-teardrop.toml");
+use crate::scenes::RIGID_TEARDROP as SCENE;
 /// Into the drop and out again, within a second; a button is held for a while.
 const MOTION: &str = "[[waypoint]]\ntime_s = 0\nposition = [0.036, 0.003, 0.045]\n\
                       [[waypoint]]\ntime_s = 0.3\nposition = [0.024, 0.003, 0.045]\n\
@@ -96,8 +96,7 @@ fn forces(recording: &std::path::Path) -> Vec<String> {
     rows.map(|row| row[first..first + 3].join(" ")).collect()
 }
 
-#[test]
-fn over_the_simulated_service_the_forces_are_those_of_a_native_run_bit_for_bit() {
+pub fn over_the_simulated_service_the_forces_are_those_of_a_native_run_bit_for_bit() {
     let directory = tempfile::tempdir().unwrap();
     let motion = directory.path().join("motion.toml");
     std::fs::write(&motion, MOTION).unwrap();
@@ -115,7 +114,7 @@ fn over_the_simulated_service_the_forces_are_those_of_a_native_run_bit_for_bit()
         match &service {
             None => device.args(hand).args(["--for", "1s"]),
             Some(service) => {
-                device.args(["--hardware", "haply", "--uri", &service.uri, "--for", "5s"])
+                device.args(["--hardware", "haply", "--uri", &service.uri, "--for", "3s"])
             }
         };
         let done = device.stdin(Stdio::null()).output().unwrap();
@@ -345,8 +344,7 @@ fn of_two_devices_one_must_be_named_and_unknown_ones_and_dead_services_are_told(
     assert!(read_state(&state(&["049D"]), None, 0).is_ok());
 }
 
-#[test]
-fn in_real_time_the_adapter_and_the_simulated_service_press_the_drop() {
+pub fn in_real_time_the_adapter_and_the_simulated_service_press_the_drop() {
     let directory = tempfile::tempdir().unwrap();
     let motion = directory.path().join("motion.toml");
     std::fs::write(&motion, format!("repeat = true\n{MOTION}")).unwrap();

@@ -8,7 +8,7 @@ use std::net::TcpStream;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-const SCENE: &str = include_str!("../../../scenes/rigid-teardrop.toml");
+use crate::scenes::RIGID_TEARDROP as SCENE;
 const UNTURNED: [f64; 4] = [0.0, 0.0, 0.0, 1.0];
 
 fn start() -> (tempfile::TempDir, Daemon, u16) {

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-const SCENE: &str = include_str!("../../../scenes/rigid-teardrop.toml");
+use crate::scenes::RIGID_TEARDROP as SCENE;
 const ARM: &str = "[[ros2.tool]]\ntool = \"ball\"\npreset = \"crtk\"\nvelocity = \"\"\n";
 
 fn root() -> &'static Path {
@@ -312,7 +312,7 @@ fn the_client_of_foxglove_is_shown_every_channel() {
     };
     let directory = tempfile::tempdir().unwrap();
     let port = free_port();
-    let scene = crate::daemon::SOFT_DROP;
+    let scene = crate::scenes::SOFT_DROP;
     let _daemon = Daemon::start(directory.path(), scene, &["--foxglove", &port.to_string()]);
     crate::page::wait_for(port);
     // Something is told only when something happens.

@@ -14,7 +14,7 @@ use std::process::Command;
 use std::time::{Duration, Instant};
 use zenoh::Wait;
 
-const SCENE: &str = include_str!("../../../scenes/rigid-teardrop.toml");
+use crate::scenes::RIGID_TEARDROP as SCENE;
 const ARM: &str = "[[ros2.tool]]\ntool = \"ball\"\npreset = \"crtk\"\n";
 const POSE: &str = "/arm/measured_cp";
 const FORCE: &str = "/arm/body/servo_cf";
@@ -342,8 +342,7 @@ fn devices_of_100_500_and_4000_hz_are_all_answered() {
     }
 }
 
-#[test]
-fn contact_wrenches_and_nets_are_published_while_somebody_subscribes() {
+pub fn contact_wrenches_and_nets_are_published_while_somebody_subscribes() {
     let (_files, daemon) = start(ARM, &[]);
     let peer = Peer::connect(&daemon.endpoint);
     peer.await_listener::<PoseStamped>(POSE);
@@ -385,8 +384,7 @@ fn an_array_of_numbers_goes_to_a_ros2_control_device() {
     }
 }
 
-#[test]
-fn a_router_may_appear_later_go_and_come_back() {
+pub fn a_router_may_appear_later_go_and_come_back() {
     let directory = tempfile::tempdir().unwrap();
     let port = free_port();
     let router = format!("tcp/127.0.0.1:{port}");

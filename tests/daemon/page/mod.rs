@@ -7,22 +7,14 @@ mod recordings;
 mod security;
 mod shown;
 
-use crate::daemon::SOFT_DROP;
+use crate::daemon::side_by_side;
+pub use crate::scenes::{SOFT_DROP as SOFT, TWO_BALLS};
 
-/// A rigid drop and two balls, which builds at once.
-pub const TWO_BALLS: &str = r#"
-[[body]]
-id = "drop"
-surface = { builtin = "teardrop", net = [8, 8] }
-[[tool]]
-id = "ball"
-shape = { sphere = { radius_m = 0.01 } }
-pose = { position = [0.06, 0.003, 0.045] }
-[[tool]]
-id = "other"
-shape = { sphere = { radius_m = 0.005 } }
-pose = { position = [-0.06, 0.003, 0.045] }
-"#;
-
-/// A ball that a page presses into a soft drop.
-pub const SOFT: &str = SOFT_DROP;
+#[test]
+fn pages_and_connections_that_are_silent_or_do_not_read() {
+    side_by_side![
+        hands::a_hand_without_motors_stays_while_its_page_is_silent_and_is_lost_after_half_a_second,
+        security::a_connection_whose_request_does_not_end_is_closed,
+        shown::a_page_that_does_not_read_gets_the_newest_only,
+    ];
+}

@@ -12,7 +12,7 @@ use palpate_geometry::math::Random;
 use std::time::{Duration, Instant};
 use zenoh::Wait;
 
-pub use crate::daemon::SOFT_DROP as SCENE;
+pub use crate::scenes::SOFT_DROP as SCENE;
 
 /// Away from the drop.
 pub const FREE: [f64; 3] = [0.06, 0.003, 0.045];
