@@ -4,10 +4,10 @@
 
 mod list;
 
-use crate::deformation::{HardRow, deformation, hard_cases};
+use crate::deformation::HardRow;
 use crate::figure::{self, Bar, Figure};
-use crate::haptics::haptics;
-use crate::{Cases, Effort, Row, contact, modeling, recording, surface, viewer};
+use crate::suite::{Suite, matches, row_of};
+use crate::{Effort, Row};
 use palpate::scenario::{Cell, Report, Scenario, Settings};
 use std::io::Write as _;
 
@@ -23,47 +23,6 @@ pub struct BarOptions {
     /// Run only promises whose names, SUITE CASE METHOD, contain this.
     #[arg(long)]
     only: Option<String>,
-}
-
-/// Where a promise is measured.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Source {
-    Surface,
-    Contact,
-    Deformation,
-    Hard,
-    Modeling,
-    Haptics,
-    Recording,
-    Viewer,
-    Scenario,
-}
-
-impl Source {
-    const ALL: [Self; 9] = [
-        Self::Surface,
-        Self::Contact,
-        Self::Modeling,
-        Self::Deformation,
-        Self::Haptics,
-        Self::Scenario,
-        Self::Hard,
-        Self::Recording,
-        Self::Viewer,
-    ];
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Surface => "surface",
-            Self::Contact => "contact",
-            Self::Deformation | Self::Hard => "deformation",
-            Self::Modeling => "modeling",
-            Self::Haptics => "haptics",
-            Self::Recording => "recording",
-            Self::Viewer => "viewer",
-            Self::Scenario => "scenario",
-        }
-    }
 }
 
 /// What of a row is promised.
@@ -92,7 +51,7 @@ enum Field {
 /// A promise.
 #[derive(Clone, Copy, Debug)]
 struct Promise {
-    source: Source,
+    suite: Suite,
     /// Of the rows; `*` at the end stands for anything.
     case: &'static str,
     method: &'static str,
@@ -156,16 +115,16 @@ pub fn bars(options: &BarOptions) -> anyhow::Result<bool> {
         false => Effort::Full,
     };
     let wanted = |promise: &&Promise| {
-        let name = format!("{} {} {}", promise.source.name(), promise.case, promise.method);
+        let name = format!("{} {} {}", promise.suite.name(), promise.case, promise.method);
         (promise.quick || !options.quick)
             && (options.only.as_ref()).is_none_or(|part| name.contains(part))
     };
     let chosen: Vec<&Promise> = list::PROMISES.iter().filter(wanted).collect();
     anyhow::ensure!(!chosen.is_empty(), "nothing is promised under that name");
     let (mut all, mut missed, mut unmeasured) = (0, 0, Vec::new());
-    for source in Source::ALL {
+    for suite in Suite::ALL {
         let of: Vec<&Promise> = (chosen.iter().copied())
-            .filter(|promise| promise.source == source)
+            .filter(|promise| promise.suite == suite)
             .collect();
         if of.is_empty() {
             continue;
@@ -179,7 +138,7 @@ pub fn bars(options: &BarOptions) -> anyhow::Result<bool> {
             };
             anyhow::Ok(writeln!(std::io::stdout(), "{line}")?)
         };
-        for verdict in judged(source, &of, effort, &mut unmeasured)? {
+        for verdict in judged(suite, &of, effort, &mut unmeasured)? {
             tell(verdict)?;
         }
     }
@@ -197,12 +156,12 @@ pub fn bars(options: &BarOptions) -> anyhow::Result<bool> {
 
 /// Runs what these promises of a suite ask for.
 fn judged(
-    source: Source,
+    suite: Suite,
     promises: &[&Promise],
     effort: Effort,
     unmeasured: &mut Vec<String>,
 ) -> anyhow::Result<Vec<Verdict>> {
-    if source == Source::Scenario {
+    if suite == Suite::Scenario {
         let mut verdicts = Vec::new();
         for promise in promises {
             let scenario = Scenario::load(promise.case)?;
@@ -212,31 +171,18 @@ fn judged(
         return Ok(verdicts);
     }
     let asked: Vec<String> = promises.iter().flat_map(|promise| promise.rows()).collect();
-    let cases = Cases::Rows(&asked);
-    let (mut rows, mut figures, mut hard) = (Vec::new(), Vec::new(), Vec::new());
-    let mut take_row = |row: Row| rows.push(row);
-    let mut take_figure = |figure: Figure| figures.push(figure);
-    match source {
-        Source::Surface => surface(effort, cases, &mut take_row),
-        Source::Contact => contact(effort, cases, &mut take_row),
-        Source::Modeling => modeling(effort, cases, &mut take_row),
-        Source::Deformation => drop(deformation(effort, cases, &mut take_row)),
-        Source::Hard => hard_cases(cases, &mut |row| hard.push(row)),
-        Source::Haptics => unmeasured.extend(haptics(effort, cases, &mut take_figure).failed),
-        Source::Recording => unmeasured.extend(recording(effort, cases, &mut take_figure)),
-        Source::Viewer => unmeasured.extend(viewer(effort, cases, &mut take_figure)),
-        Source::Scenario => {}
-    }
+    let measured = suite.run(effort, &asked);
+    unmeasured.extend(measured.failed);
     let mut verdicts = Vec::new();
     for promise in promises {
         let before = verdicts.len();
-        verdicts.extend(promise.of_rows(&rows));
-        verdicts.extend(promise.of_figures(&figures));
-        verdicts.extend(promise.of_hard(&hard));
+        verdicts.extend(promise.of_rows(&measured.rows));
+        verdicts.extend(promise.of_figures(&measured.figures));
+        verdicts.extend(promise.of_hard(&measured.hard));
         if verdicts.len() == before {
             unmeasured.push(format!(
                 "{} {} {}: there is no such row",
-                source.name(),
+                suite.name(),
                 promise.case,
                 promise.method
             ));
@@ -245,24 +191,12 @@ fn judged(
     Ok(verdicts)
 }
 
-/// True if a name is this, or begins with what stands before its `*`.
-fn matches(pattern: &str, name: &str) -> bool {
-    match pattern.strip_suffix('*') {
-        Some(stem) => name.starts_with(stem),
-        None => name == pattern,
-    }
-}
-
 impl Promise {
     /// What it needs of its suite, as [`Cases::Rows`] has it.
     fn rows(&self) -> Vec<String> {
-        let row = |case: &str, method: &str| match case.ends_with('*') {
-            true => case.to_owned(),
-            false => format!("{case}/{}", method.replace(' ', "/")),
-        };
-        let mut rows = vec![row(self.case, self.method)];
+        let mut rows = vec![row_of(self.case, self.method)];
         if let Field::ApartFrom(case) = self.field {
-            rows.push(row(case, self.method));
+            rows.push(row_of(case, self.method));
         }
         rows
     }
@@ -395,10 +329,10 @@ fn of_report(report: &Report) -> Vec<Verdict> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Times;
+    use crate::{Cases, Times};
 
     const PROMISE: Promise = Promise {
-        source: Source::Contact,
+        suite: Suite::Contact,
         case: "plane/*",
         method: "exact",
         field: Field::Error,
@@ -444,7 +378,7 @@ mod tests {
                 case: "plane/8x8",
                 ..PROMISE
             };
-            promise.of_rows(&rows)[0].value.unwrap()
+            promise.of_rows(&measured.rows)[0].value.unwrap()
         };
         assert!((value(Field::Order("spheres 84", 3.0), "spheres 28") - 2.0).abs() < 1e-12);
         assert!((value(Field::ErrorOver("spheres 84"), "exact") - 1e-8).abs() < 1e-20);

@@ -7,6 +7,7 @@
 mod bars;
 mod contact;
 mod deformation;
+mod documents;
 mod exact_step;
 mod faults;
 mod figure;
@@ -20,6 +21,7 @@ mod processes;
 mod recording;
 mod relay;
 mod soak;
+mod suite;
 mod surface;
 mod table;
 mod viewer;
@@ -30,6 +32,7 @@ pub use deformation::{
     HardRow, Sweep, deformation, hard_cases, hard_table, pareto, plasticine_picture,
     plasticine_table,
 };
+pub use documents::{DocumentOptions, documents};
 pub use faults::{FaultOptions, faults};
 pub use figure::{Bar, Figure, figures_table};
 pub use measure::Times;

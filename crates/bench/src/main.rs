@@ -4,8 +4,8 @@
 use anyhow::Context;
 use clap::Parser;
 use palpate_bench::{
-    BarOptions, Cases, Effort, FaultOptions, Figure, HardRow, RecorderOptions, RelayOptions, Row,
-    SoakOptions, SubscriberOptions, bars, contact, deformation, faults, figures_table, haptics, hard_cases,
+    BarOptions, Cases, DocumentOptions, Effort, FaultOptions, Figure, HardRow, RecorderOptions, RelayOptions, Row,
+    SoakOptions, SubscriberOptions, bars, contact, deformation, documents, faults, figures_table, haptics, hard_cases,
     hard_table, modeling, pareto, picture, plasticine_picture, plasticine_table,
     record_until_killed, recording, relay, soak, subscribers, surface, table, viewer,
 };
@@ -62,6 +62,10 @@ enum Suite {
     ///
     /// Exit codes: 0 all are met, 1 one is missed, 3 one could not be measured.
     Bars(BarOptions),
+    /// Tables of the documents that are written by this program: which are stale, or write them anew.
+    ///
+    /// Exit codes: 0 none is stale, 1 one is, 3 one could not be measured.
+    Documents(DocumentOptions),
     /// The daemon under faults of network, disk, processes and clock, on a virtual clock, by seeds.
     Faults(FaultOptions),
     /// A relay with hundreds who watch: what they cost the daemon, and what each receives.
@@ -210,6 +214,11 @@ fn run(args: &Cli) -> anyhow::Result<ExitCode> {
         Suite::Viewer(options) => all_measured(&options.figures(viewer)?)?,
         Suite::Bars(options) => {
             if !bars(options)? {
+                return Ok(ExitCode::from(1));
+            }
+        }
+        Suite::Documents(options) => {
+            if !documents(options)? {
                 return Ok(ExitCode::from(1));
             }
         }

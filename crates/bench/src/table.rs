@@ -58,7 +58,8 @@ pub fn table(rows: &[Row]) -> String {
     text
 }
 
-fn seconds(s: f64) -> String {
+/// With a unit that suits its size.
+pub(crate) fn seconds(s: f64) -> String {
     match s {
         s if s < 1e-6 => format!("{:.0} ns", s * 1e9),
         s if s < 1e-3 => format!("{:.2} µs", s * 1e6),

@@ -3,11 +3,11 @@
 use super::Field::{
     ApartFrom, Error, ErrorOver, Order, Own, PeersTakeTimesLonger, TimesLonger, Wrong,
 };
-use super::{Bar, Field, Promise, Source};
+use super::{Bar, Field, Promise, Suite};
 
-const fn most(source: Source, case: &'static str, method: &'static str, field: Field, most: f64) -> Promise {
+const fn most(suite: Suite, case: &'static str, method: &'static str, field: Field, most: f64) -> Promise {
     Promise {
-        source,
+        suite,
         case,
         method,
         field,
@@ -16,7 +16,7 @@ const fn most(source: Source, case: &'static str, method: &'static str, field: F
     }
 }
 
-const fn least(source: Source, case: &'static str, method: &'static str, field: Field, least: f64) -> Promise {
+const fn least(suite: Suite, case: &'static str, method: &'static str, field: Field, least: f64) -> Promise {
     Promise {
         bar: Bar::AtLeast(least),
         ..most(source, case, method, field, 0.0)
@@ -24,7 +24,7 @@ const fn least(source: Source, case: &'static str, method: &'static str, field: 
 }
 
 /// Bars that the rows have themselves.
-const fn own(source: Source, case: &'static str) -> Promise {
+const fn own(suite: Suite, case: &'static str) -> Promise {
     most(source, case, "*", Own, 0.0)
 }
 
@@ -41,9 +41,9 @@ const OURS: &str = "palpate";
 /// Lengths are of bodies of about 0.1 m.
 #[rustfmt::skip]
 pub(super) const PROMISES: &[Promise] = &[
-    most(Source::Surface, "closest/cold/8x8", OURS, Wrong, 0.0),
-    most(Source::Contact, "plane/8x8", "exact", Error, 1e-10),
-    most(Source::Modeling, "merge/case1", "constrained C2 planned", ErrorOver("seed C2 planned"), 0.5),
-    most(Source::Deformation, "indent/12/x1000", "continuum implicit", ApartFrom("indent/12/x1"), 0.005),
-    own(Source::Haptics, "render/*"),
+    most(Suite::Surface, "closest/cold/8x8", OURS, Wrong, 0.0),
+    most(Suite::Contact, "plane/8x8", "exact", Error, 1e-10),
+    most(Suite::Modeling, "merge/case1", "constrained C2 planned", ErrorOver("seed C2 planned"), 0.5),
+    most(Suite::Deformation, "indent/12/x1000", "continuum implicit", ApartFrom("indent/12/x1"), 0.005),
+    own(Suite::Haptics, "render/*"),
 ];
