@@ -136,7 +136,7 @@ pub enum Cases<'a> {
     Usual,
     /// Those whose names contain this.
     Containing(&'a str),
-    /// Those that a method's row belongs to, by `CASE/METHOD`, spaces as slashes; `*` at the end stands for
+    /// Those that a method's row belongs to, by `CASE/METHOD`, spaces as slashes; one `*` stands for
     /// anything.
     Rows(&'a [String]),
 }
@@ -154,11 +154,9 @@ impl Cases<'_> {
             Self::Usual => true,
             Self::Containing(part) => case.contains(part),
             Self::Rows(rows) => rows.iter().any(|row| {
-                let (row, below) = match row.strip_suffix('*') {
-                    Some(stem) => (stem, case.starts_with(stem)),
-                    None => (row.as_str(), row == case),
-                };
-                below || row.strip_prefix(case).is_some_and(|rest| rest.starts_with('/'))
+                let known = row.split('*').next().unwrap_or_default();
+                let is_in_it = known.strip_prefix(case).is_some_and(|rest| rest.starts_with('/'));
+                is_in_it || suite::matches(row, case)
             }),
         }
     }

@@ -83,16 +83,18 @@ impl Suite {
 
 /// A row as [`Cases::Rows`] has it.
 pub(crate) fn row_of(case: &str, method: &str) -> String {
-    match case.ends_with('*') {
+    match case.contains('*') {
         true => case.to_owned(),
         false => format!("{case}/{}", method.replace(' ', "/")),
     }
 }
 
-/// True if a name is this, or begins with what stands before its `*`.
+/// True if a name is this; one `*` in it stands for anything.
 pub(crate) fn matches(pattern: &str, name: &str) -> bool {
-    match pattern.strip_suffix('*') {
-        Some(stem) => name.starts_with(stem),
+    match pattern.split_once('*') {
+        Some((begin, end)) => name
+            .strip_prefix(begin)
+            .is_some_and(|rest| rest.ends_with(end)),
         None => name == pattern,
     }
 }
