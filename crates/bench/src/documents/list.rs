@@ -6,6 +6,7 @@ use crate::table::seconds;
 use crate::{Effort, Row};
 use anyhow::{Context as _, ensure};
 use palpate::scenario::{NAMES, Scenario, Settings};
+use palpate_modeling::branch::{Measures, Tree, grow};
 use std::fmt::Write as _;
 use std::process::Command;
 
@@ -38,11 +39,7 @@ enum Column {
 
 use Column::{Error, Median, Note, P99, Wrong};
 
-/// Sources of the crates below the simulation.
 const GEOMETRY: &str = "crates/geometry/src";
-const MODELING: &str = "crates/modeling/src";
-
-const PAIRS: &[(&str, &str)] = &[("isolate/*", "*")];
 
 pub(super) fn tables() -> Vec<Table> {
     let mut all: Vec<Table> = NAMES.iter().map(|name| scenario(name)).collect();
@@ -226,6 +223,10 @@ pub(super) fn tables() -> Vec<Table> {
             &[Median, P99],
             &["crates/bench/src/modeling/branch.rs", "crates/modeling/src/branch"],
         ),
+        Table {
+            measure: Box::new(trees),
+            ..table("trees", "docs/branch.md", &["crates/modeling/src/branch", GEOMETRY])
+        },
         isolation("isolation", false),
         isolation("isolation times", true),
         Table {
@@ -377,7 +378,8 @@ fn isolation(name: &str, timed: bool) -> Table {
     Table {
         timed,
         measure: Box::new(move || {
-            let measured = Suite::Modeling.run(Effort::Full, &[PAIRS[0].0.to_owned()]).rows;
+            let effort = if timed { Effort::Full } else { Effort::Quick };
+            let measured = Suite::Modeling.run(effort, &["isolate/*".to_owned()]).rows;
             let methods: &[&str] = match timed {
                 true => &["overlap", "local", "global", "surfaces"],
                 false => &["1", "2", "3", "4", "5", "6", "7", "local", "global", "surfaces"],
@@ -421,6 +423,61 @@ fn length(row: &Row) -> String {
         (Some(error), None) => format!("{:.3}", 1.0 + error.value),
         (None, _) => "none".to_owned(),
     }
+}
+
+/// The example trees, some with other degrees.
+fn trees() -> anyhow::Result<String> {
+    const Y: &str = include_str!("../../../modeling/src/branch/data/y.toml");
+    const ASYMMETRIC: &str = include_str!("../../../modeling/src/branch/data/asymmetric.toml");
+    const THREE: &str = include_str!("../../../modeling/src/branch/data/three.toml");
+    const FOUR: &str = include_str!("../../../modeling/src/branch/data/four.toml");
+    const TWISTED: &str = include_str!("../../../modeling/src/branch/data/twisted.toml");
+    let all = [
+        ("y", Y, [3, 2]),
+        ("y", Y, [2, 2]),
+        ("y", Y, [3, 3]),
+        ("y", Y, [4, 3]),
+        ("asymmetric", ASYMMETRIC, [3, 2]),
+        ("three", THREE, [3, 2]),
+        ("four", FOUR, [3, 2]),
+        ("twisted", TWISTED, [3, 2]),
+    ];
+    let heading = [
+        "tree",
+        "degrees",
+        "control points",
+        "gap, m",
+        "angle, °",
+        "least sine",
+        "Euler number, open ends",
+        "folded edges, crossing pairs",
+        "drawn, times",
+    ];
+    let mut lines = vec![heading.map(str::to_owned).to_vec()];
+    for (name, text, [degree_u, degree_v]) in all {
+        // A third tilted row lies beside the two that the examples have.
+        let text = match degree_v {
+            3 => text.replace("front = [0.15, 0.105]", "front = [0.15, 0.105, 0.06]"),
+            _ => text.to_owned(),
+        };
+        let mut tree: Tree = toml::from_str(&text)?;
+        (tree.degree_u, tree.degree_v) = (degree_u, degree_v);
+        let grown = grow(&tree)?;
+        let (measures, _) = Measures::of(&grown.surface, &grown.patches);
+        let net = grown.surface.net();
+        lines.push(vec![
+            format!("`{name}`"),
+            format!("{degree_u} × {degree_v}"),
+            format!("{} × {}", net.rows(), net.columns()),
+            format!("{:.1e}", measures.gap_m),
+            format!("{:.1e}", measures.angle_deg),
+            format!("{:.3}", measures.min_sine),
+            format!("{}, {}", measures.euler, measures.loops),
+            format!("{}, {}", measures.folded, measures.crossings),
+            format!("{:.3}", measures.coverage),
+        ]);
+    }
+    Ok(markdown(&lines))
 }
 
 /// What a command of `palpate` prints.
