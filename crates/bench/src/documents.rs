@@ -12,6 +12,7 @@ mod list;
 
 use anyhow::{Context as _, ensure};
 use list::{Table, tables};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -121,12 +122,13 @@ struct Comment<'a> {
 }
 
 fn comments(text: &str) -> Vec<Comment<'_>> {
-    let comment = |line: &'a str| -> Option<Comment<'a>> {
-        let inside = line.strip_prefix(BEGIN)?.strip_suffix(" -->")?;
-        let (name, stamp) = inside.split_once("; ")?;
-        Some(Comment { name, stamp })
-    };
     text.lines().filter_map(comment).collect()
+}
+
+fn comment(line: &str) -> Option<Comment<'_>> {
+    let inside = line.strip_prefix(BEGIN)?.strip_suffix(" -->")?;
+    let (name, stamp) = inside.split_once("; ")?;
+    Some(Comment { name, stamp })
 }
 
 /// The document with another table between the comments.
@@ -187,9 +189,9 @@ fn inputs(table: &Table, root: &Path) -> anyhow::Result<String> {
             hash.add(said.as_bytes());
         }
     }
-    for hashes in golden(root)? {
-        if table.of_simulation {
-            hash.add(hashes.as_bytes());
+    if table.of_simulation {
+        for session in golden(root)? {
+            hash.add(session.as_bytes());
         }
     }
     Ok(format!("{:016x}", hash.0))
@@ -233,8 +235,8 @@ fn said(path: &Path) -> anyhow::Result<String> {
 
 /// The hashes that golden recordings are held to: words of sixteen hexadecimal digits in the text beside
 /// them.
-fn golden(root: &Path) -> anyhow::Result<std::collections::BTreeSet<String>> {
-    let mut hashes = std::collections::BTreeSet::new();
+fn golden(root: &Path) -> anyhow::Result<BTreeSet<String>> {
+    let mut hashes = BTreeSet::new();
     for entry in std::fs::read_dir(root.join("recordings/golden"))? {
         let path = entry?.path();
         let kind = path.extension().and_then(std::ffi::OsStr::to_str);
@@ -341,7 +343,7 @@ mod tests {
     fn comments_and_indentation_change_no_inputs_and_code_does() {
         let directory = tempfile::tempdir().unwrap();
         let file = directory.path().join("a.rs");
-        let mut of = |text: &str| {
+        let of = |text: &str| {
             std::fs::write(&file, text).unwrap();
             said(&file).unwrap()
         };
