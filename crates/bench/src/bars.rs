@@ -389,7 +389,7 @@ mod tests {
                 case: "plane/8x8",
                 ..PROMISE
             };
-            promise.of_rows(&measured.rows)[0].value.unwrap()
+            promise.of_rows(&rows)[0].value.unwrap()
         };
         assert!((value(Field::Order("spheres 84", 3.0), "spheres 28") - 2.0).abs() < 1e-12);
         assert!((value(Field::ErrorOver("spheres 84"), "exact") - 1e-8).abs() < 1e-20);

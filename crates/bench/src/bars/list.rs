@@ -20,13 +20,13 @@ const fn most(suite: Suite, case: &'static str, method: &'static str, field: Fie
 const fn least(suite: Suite, case: &'static str, method: &'static str, field: Field, least: f64) -> Promise {
     Promise {
         bar: Bar::AtLeast(least),
-        ..most(source, case, method, field, 0.0)
+        ..most(suite, case, method, field, 0.0)
     }
 }
 
 /// Bars that the rows have themselves.
 const fn own(suite: Suite, case: &'static str) -> Promise {
-    most(source, case, "*", Own, 0.0)
+    most(suite, case, "*", Own, 0.0)
 }
 
 /// Takes long, or depends on the machine.
