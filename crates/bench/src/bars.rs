@@ -116,7 +116,12 @@ pub fn bars(options: &BarOptions) -> anyhow::Result<bool> {
         false => Effort::Full,
     };
     let wanted = |promise: &&Promise| {
-        let name = format!("{} {} {}", promise.suite.name(), promise.case, promise.method);
+        let name = format!(
+            "{} {} {}",
+            promise.suite.name(),
+            promise.case,
+            promise.method
+        );
         (promise.quick || !options.quick)
             && (options.only.as_ref()).is_none_or(|part| name.contains(part))
     };
@@ -133,7 +138,10 @@ pub fn bars(options: &BarOptions) -> anyhow::Result<bool> {
         }
         let mut tell = |verdict: Verdict| {
             // A row may be promised by itself and with others.
-            if !told.insert(format!("{} {} {}", verdict.suite, verdict.name, verdict.bar)) {
+            if !told.insert(format!(
+                "{} {} {}",
+                verdict.suite, verdict.name, verdict.bar
+            )) {
                 return Ok(());
             }
             missed += usize::from(!verdict.met);
@@ -223,7 +231,8 @@ impl Promise {
                 let found = |other: &&Row| other.case == case && other.method == method;
                 rows.iter().find(found)
             };
-            let errors = |method| Some((row.error_size()?, other(&row.case, method)?.error_size()?));
+            let errors =
+                |method| Some((row.error_size()?, other(&row.case, method)?.error_size()?));
             let longer = |other: &Row| Some(other.times?.median_s / row.times?.median_s);
             let (what, value, unit) = match self.field {
                 Field::Error => (
@@ -257,7 +266,9 @@ impl Promise {
                     "×",
                 ),
                 Field::PeersTakeTimesLonger => {
-                    let peers = rows.iter().filter(|other| other.peer && other.case == row.case);
+                    let peers = rows
+                        .iter()
+                        .filter(|other| other.peer && other.case == row.case);
                     (
                         "time of the fastest peer over its own".to_owned(),
                         peers.filter_map(longer).min_by(f64::total_cmp),
@@ -280,7 +291,9 @@ impl Promise {
     }
 
     fn of_figures(&self, figures: &[Figure]) -> Vec<Verdict> {
-        let own = figures.iter().filter(|figure| self.is_of(&figure.case, &figure.method));
+        let own = figures
+            .iter()
+            .filter(|figure| self.is_of(&figure.case, &figure.method));
         let verdict = |figure: &Figure| {
             let name = format!("{} {}", figure.case, figure.method);
             let value = Some(figure.value);
@@ -318,9 +331,11 @@ fn of_report(report: &Report) -> Vec<Verdict> {
                 cell.at_least.map(Bar::AtLeast),
                 cell.at_most.map(Bar::AtMost),
             ];
-            verdicts.extend(bars.into_iter().flatten().map(|bar| {
-                Verdict::new("scenario", name(cell), cell.value, &cell.unit, bar)
-            }));
+            verdicts.extend(
+                bars.into_iter()
+                    .flatten()
+                    .map(|bar| Verdict::new("scenario", name(cell), cell.value, &cell.unit, bar)),
+            );
         }
     }
     for claim in report.claims.iter().filter(|claim| !claim.reported) {
@@ -404,7 +419,11 @@ mod tests {
         let rows = [Row::new("contact", "plane/8x8", "exact").saying("refused")];
         let verdict = &PROMISE.of_rows(&rows)[0];
         assert!(!verdict.met && verdict.note == "refused");
-        assert!(verdict.text().starts_with("MISSED contact plane/8x8 exact: error: none"));
+        assert!(
+            verdict
+                .text()
+                .starts_with("MISSED contact plane/8x8 exact: error: none")
+        );
         assert!(PROMISE.of_rows(&[]).is_empty());
     }
 

@@ -134,8 +134,12 @@ fn comment(line: &str) -> Option<Comment<'_>> {
 /// The document with another table between the comments.
 fn replaced(text: &str, name: &str, stamp: &str, table: &str) -> anyhow::Result<String> {
     let begin = format!("{BEGIN}{name}; ");
-    let start = text.find(&begin).with_context(|| format!("no line begins with {begin:?}"))?;
-    let length = text[start..].find(END).with_context(|| format!("{name:?} has no {END:?}"))?;
+    let start = text
+        .find(&begin)
+        .with_context(|| format!("no line begins with {begin:?}"))?;
+    let length = text[start..]
+        .find(END)
+        .with_context(|| format!("{name:?} has no {END:?}"))?;
     Ok(format!(
         "{}{begin}{stamp} -->\n\n{}\n\n{}",
         &text[..start],
@@ -147,7 +151,10 @@ fn replaced(text: &str, name: &str, stamp: &str, table: &str) -> anyhow::Result<
 /// Commit, machine where it matters, inputs.
 fn stamp(table: &Table, root: &Path) -> anyhow::Result<String> {
     let git = |arguments: &[&str]| -> anyhow::Result<String> {
-        let output = Command::new("git").args(arguments).current_dir(root).output();
+        let output = Command::new("git")
+            .args(arguments)
+            .current_dir(root)
+            .output();
         let output = output.context("git tells the commit that is measured")?;
         ensure!(
             output.status.success(),
@@ -157,14 +164,27 @@ fn stamp(table: &Table, root: &Path) -> anyhow::Result<String> {
         Ok(String::from_utf8(output.stdout)?.trim().to_owned())
     };
     let commit = git(&["rev-parse", "--short=8", "HEAD"])?;
-    let changed = git(&["status", "--porcelain", "--untracked-files=no", "--", ".", ":!docs"])?;
-    let with = if changed.is_empty() { "" } else { " with changes" };
+    let changed = git(&[
+        "status",
+        "--porcelain",
+        "--untracked-files=no",
+        "--",
+        ".",
+        ":!docs",
+    ])?;
+    let with = if changed.is_empty() {
+        ""
+    } else {
+        " with changes"
+    };
     let machine = match table.timed {
         true => format!("; {}", machine()),
         false => String::new(),
     };
     let inputs = inputs(table, root)?;
-    Ok(format!("measured at {commit}{with}{machine}; inputs {inputs}"))
+    Ok(format!(
+        "measured at {commit}{with}{machine}; inputs {inputs}"
+    ))
 }
 
 /// Cores and their kind.
@@ -225,7 +245,10 @@ fn said(path: &Path) -> anyhow::Result<String> {
     // An attribute is no comment.
     let is_comment =
         |line: &str| line.starts_with(comment) && !(comment == "//" && line.starts_with("#"));
-    let code = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
+    let code = text
+        .split("#[cfg(test)]\nmod tests {")
+        .next()
+        .unwrap_or_default();
     let lines = code.lines().map(str::trim);
     Ok(lines
         .filter(|line| !line.is_empty() && !is_comment(line))
@@ -246,7 +269,10 @@ fn golden(root: &Path) -> anyhow::Result<BTreeSet<String>> {
         let text = read(&path)?;
         let words = text.split(|c: char| !c.is_ascii_alphanumeric());
         let is_hash = |word: &&str| {
-            word.len() == 16 && word.bytes().all(|b| b.is_ascii_digit() || (b'a'..=b'f').contains(&b))
+            word.len() == 16
+                && word
+                    .bytes()
+                    .all(|b| b.is_ascii_digit() || (b'a'..=b'f').contains(&b))
         };
         hashes.extend(words.filter(is_hash).map(str::to_owned));
     }
@@ -312,8 +338,16 @@ mod tests {
         let tables = tables();
         for (path, text) in texts() {
             let comments = comments(&text);
-            assert_eq!(text.matches(BEGIN).count(), comments.len(), "{path}: a comment does not read");
-            assert_eq!(text.matches(END).count(), comments.len(), "{path}: {END} is missing");
+            assert_eq!(
+                text.matches(BEGIN).count(),
+                comments.len(),
+                "{path}: a comment does not read"
+            );
+            assert_eq!(
+                text.matches(END).count(),
+                comments.len(),
+                "{path}: {END} is missing"
+            );
             for comment in comments {
                 let known = tables.iter().filter(|table| table.name == comment.name);
                 assert!(
@@ -327,16 +361,23 @@ mod tests {
 
     #[test]
     fn a_table_is_replaced_and_nothing_else() {
-        let text = "a\n\n<!-- figures: x; to be measured -->\n\n| old |\n\n<!-- end of figures -->\n\nb\n";
+        let text =
+            "a\n\n<!-- figures: x; to be measured -->\n\n| old |\n\n<!-- end of figures -->\n\nb\n";
         let once = replaced(text, "x", "measured at 1; inputs 2", "| new |\n").unwrap();
         assert_eq!(
             once,
             "a\n\n<!-- figures: x; measured at 1; inputs 2 -->\n\n| new |\n\n<!-- end of figures -->\n\nb\n"
         );
-        assert_eq!(replaced(&once, "x", "measured at 1; inputs 2", "| new |").unwrap(), once);
+        assert_eq!(
+            replaced(&once, "x", "measured at 1; inputs 2", "| new |").unwrap(),
+            once
+        );
         assert!(replaced(text, "y", "", "").is_err());
         let comment = &comments(&once)[0];
-        assert_eq!((comment.name, comment.stamp), ("x", "measured at 1; inputs 2"));
+        assert_eq!(
+            (comment.name, comment.stamp),
+            ("x", "measured at 1; inputs 2")
+        );
     }
 
     #[test]
@@ -347,8 +388,16 @@ mod tests {
             std::fs::write(&file, text).unwrap();
             said(&file).unwrap()
         };
-        let first = of("//! A.\n#[derive(Debug)]\nfn a() {\n    b(); // why\n}\n#[cfg(test)]\nmod tests {\n}\n");
-        assert_eq!(first, of("/// B.\n#[derive(Debug)]\nfn a() {\nb(); // why\n\n}\n"));
-        assert_ne!(first, of("#[derive(Debug)]\nfn a() {\n    c(); // why\n}\n"));
+        let first = of(
+            "//! A.\n#[derive(Debug)]\nfn a() {\n    b(); // why\n}\n#[cfg(test)]\nmod tests {\n}\n",
+        );
+        assert_eq!(
+            first,
+            of("/// B.\n#[derive(Debug)]\nfn a() {\nb(); // why\n\n}\n")
+        );
+        assert_ne!(
+            first,
+            of("#[derive(Debug)]\nfn a() {\n    c(); // why\n}\n")
+        );
     }
 }

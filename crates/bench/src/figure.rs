@@ -67,7 +67,9 @@ impl Figure {
 pub fn figures_table(figures: &[Figure]) -> String {
     let mut text = String::new();
     for figure in figures {
-        let bar = figure.bar.map_or(String::new(), |bar| format!("  bar {bar}"));
+        let bar = figure
+            .bar
+            .map_or(String::new(), |bar| format!("  bar {bar}"));
         let reference = match figure.reference_is {
             "" => String::new(),
             is => format!(" {is} {}", short(figure.reference)),

@@ -155,7 +155,9 @@ impl Cases<'_> {
             Self::Containing(part) => case.contains(part),
             Self::Rows(rows) => rows.iter().any(|row| {
                 let known = row.split('*').next().unwrap_or_default();
-                let is_in_it = known.strip_prefix(case).is_some_and(|rest| rest.starts_with('/'));
+                let is_in_it = known
+                    .strip_prefix(case)
+                    .is_some_and(|rest| rest.starts_with('/'));
                 is_in_it || suite::matches(row, case)
             }),
         }

@@ -4,10 +4,11 @@
 use anyhow::Context;
 use clap::Parser;
 use palpate_bench::{
-    BarOptions, Cases, DocumentOptions, Effort, FaultOptions, Figure, HardRow, RecorderOptions, RelayOptions, Row,
-    SoakOptions, SubscriberOptions, bars, contact, deformation, documents, faults, figures_table, haptics, hard_cases,
-    hard_table, modeling, pareto, picture, plasticine_picture, plasticine_table,
-    record_until_killed, recording, relay, soak, subscribers, surface, table, viewer,
+    BarOptions, Cases, DocumentOptions, Effort, FaultOptions, Figure, HardRow, RecorderOptions,
+    RelayOptions, Row, SoakOptions, SubscriberOptions, bars, contact, deformation, documents,
+    faults, figures_table, haptics, hard_cases, hard_table, modeling, pareto, picture,
+    plasticine_picture, plasticine_table, record_until_killed, recording, relay, soak, subscribers,
+    surface, table, viewer,
 };
 use std::io::Write;
 use std::process::ExitCode;
@@ -137,7 +138,10 @@ impl Options {
     }
 
     /// A suite of rows, printed as a table.
-    fn rows<T>(&self, suite: fn(Effort, Cases<'_>, &mut dyn FnMut(Row)) -> T) -> anyhow::Result<(Vec<Row>, T)> {
+    fn rows<T>(
+        &self,
+        suite: fn(Effort, Cases<'_>, &mut dyn FnMut(Row)) -> T,
+    ) -> anyhow::Result<(Vec<Row>, T)> {
         let name = |row: &Row| format!("{} {}", row.case, row.method);
         let (rows, made) = self.run(name, |out| suite(self.effort(), self.cases(), out))?;
         if !self.json {
@@ -147,7 +151,10 @@ impl Options {
     }
 
     /// A suite of figures, printed as a table.
-    fn figures<T>(&self, suite: fn(Effort, Cases<'_>, &mut dyn FnMut(Figure)) -> T) -> anyhow::Result<T> {
+    fn figures<T>(
+        &self,
+        suite: fn(Effort, Cases<'_>, &mut dyn FnMut(Figure)) -> T,
+    ) -> anyhow::Result<T> {
         let name = |figure: &Figure| format!("{} {}", figure.case, figure.method);
         let (figures, made) = self.run(name, |out| suite(self.effort(), self.cases(), out))?;
         if !self.json {
@@ -205,7 +212,8 @@ fn run(args: &Cli) -> anyhow::Result<ExitCode> {
             svg,
             energy_svg,
         } => {
-            let drawn = options.figures(|effort, cases, out| haptics::haptics(effort, cases, out))?;
+            let drawn =
+                options.figures(|effort, cases, out| haptics::haptics(effort, cases, out))?;
             write(svg, || haptics::zwidth_picture(&drawn.widths))?;
             write(energy_svg, || haptics::energy_picture(&drawn.traces))?;
             all_measured(&drawn.failed)?;

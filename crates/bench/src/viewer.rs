@@ -7,9 +7,9 @@
 
 mod socket;
 
-use super::{Cases, Effort};
 use super::figure::{Bar, Figure};
 use super::processes::{Files, Process, connect, free_port};
+use super::{Cases, Effort};
 use anyhow::ensure;
 use palpate_client::Palpate;
 use socket::Socket;

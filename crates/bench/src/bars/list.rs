@@ -6,7 +6,13 @@ use super::Field::{
 use super::{Bar, Field, Promise, Suite};
 use palpate::scenario::NAMES;
 
-const fn most(suite: Suite, case: &'static str, method: &'static str, field: Field, most: f64) -> Promise {
+const fn most(
+    suite: Suite,
+    case: &'static str,
+    method: &'static str,
+    field: Field,
+    most: f64,
+) -> Promise {
     Promise {
         suite,
         case,
@@ -17,7 +23,13 @@ const fn most(suite: Suite, case: &'static str, method: &'static str, field: Fie
     }
 }
 
-const fn least(suite: Suite, case: &'static str, method: &'static str, field: Field, least: f64) -> Promise {
+const fn least(
+    suite: Suite,
+    case: &'static str,
+    method: &'static str,
+    field: Field,
+    least: f64,
+) -> Promise {
     Promise {
         bar: Bar::AtLeast(least),
         ..most(suite, case, method, field, 0.0)

@@ -61,7 +61,9 @@ fn pressed(
         Effort::Quick => 100,
         Effort::Full => 500,
     };
-    let force_n = (PRESS..PRESS + held).map(&mut press).fold(0.0, |_, force_n| force_n);
+    let force_n = (PRESS..PRESS + held)
+        .map(&mut press)
+        .fold(0.0, |_, force_n| force_n);
     world.ticks_s.drain(..PRESS);
     let Some(body) = world.scene.deformable(0) else {
         return failed(case, "it does not deform");

@@ -228,7 +228,10 @@ mod tests {
             assert!(high > 0.05, "{model}: the free part ends at {high} m");
             let row = poked(model, model, poisson, 1.0, QUICK_TICKS).unwrap();
             assert_eq!(row.wrong, Some(0), "{}", row.note);
-            assert!(row.error_size().is_some_and(|error| error < 1e-9), "{row:?}");
+            assert!(
+                row.error_size().is_some_and(|error| error < 1e-9),
+                "{row:?}"
+            );
         }
     }
 }

@@ -253,7 +253,13 @@ impl TeardropCase {
             ..Self::new(name, "lattice", refine, 4)
         };
         let mut cases = Vec::new();
-        for (model, layers) in [("lattice", 3), ("lattice", 4), ("continuum", 3), ("continuum", 4), ("net", 2)] {
+        for (model, layers) in [
+            ("lattice", 3),
+            ("lattice", 4),
+            ("continuum", 3),
+            ("continuum", 4),
+            ("net", 2),
+        ] {
             let name = format!("indent/teardrop/{model}/auto/{layers}");
             cases.push(Self::new(&name, model, "\"auto\"", layers));
             // The others with a focus are below.

@@ -14,7 +14,8 @@ pub fn pareto(rows: &[Row]) -> String {
     let of = |units: &[&str]| -> Vec<&Row> {
         rows.iter()
             .filter(|row| {
-                let drawn = |error: &Deviation| units.contains(&error.unit) && error.value.is_finite();
+                let drawn =
+                    |error: &Deviation| units.contains(&error.unit) && error.value.is_finite();
                 row.error.as_ref().is_some_and(drawn) && row.times.is_some()
             })
             .collect()

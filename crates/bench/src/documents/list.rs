@@ -57,7 +57,11 @@ pub(super) fn tables() -> Vec<Table> {
                 ],
             )],
             &[Median, P99, Error, Wrong],
-            &["crates/bench/src/surface.rs", "crates/bench/src/peers", GEOMETRY],
+            &[
+                "crates/bench/src/surface.rs",
+                "crates/bench/src/peers",
+                GEOMETRY,
+            ],
         ),
         rows(
             "contact",
@@ -79,7 +83,11 @@ pub(super) fn tables() -> Vec<Table> {
                 ],
             )],
             &[Median, P99, Error],
-            &["crates/bench/src/contact", "crates/bench/src/contact.rs", GEOMETRY],
+            &[
+                "crates/bench/src/contact",
+                "crates/bench/src/contact.rs",
+                GEOMETRY,
+            ],
         ),
         Table {
             of_simulation: true,
@@ -98,7 +106,10 @@ pub(super) fn tables() -> Vec<Table> {
                     ],
                 )],
                 &[Error, Note],
-                &["crates/bench/src/deformation/indent.rs", "crates/bench/src/deformation/scenes.rs"],
+                &[
+                    "crates/bench/src/deformation/indent.rs",
+                    "crates/bench/src/deformation/scenes.rs",
+                ],
             )
         },
         Table {
@@ -111,7 +122,10 @@ pub(super) fn tables() -> Vec<Table> {
                     &[("pass/*", "*"), ("tick/teardrop/*", "*")],
                 )],
                 &[Median, P99, Note],
-                &["crates/bench/src/deformation/passes.rs", "crates/bench/src/deformation/indent.rs"],
+                &[
+                    "crates/bench/src/deformation/passes.rs",
+                    "crates/bench/src/deformation/indent.rs",
+                ],
             )
         },
         Table {
@@ -194,51 +208,82 @@ pub(super) fn tables() -> Vec<Table> {
             ),
             true,
         ),
-        figures("pages", "docs/figures.md", Rows(Suite::Viewer, &[("pages/*", "*")]), true),
+        figures(
+            "pages",
+            "docs/figures.md",
+            Rows(Suite::Viewer, &[("pages/*", "*")]),
+            true,
+        ),
         rows(
             "pipes",
             "docs/pipe.md",
             &[Rows(Suite::Modeling, &[("pipe/*", "*")])],
             &[Error, Wrong, Note],
-            &["crates/bench/src/modeling/pipe.rs", "crates/modeling/src/pipe", "crates/modeling/src/ipp"],
+            &[
+                "crates/bench/src/modeling/pipe.rs",
+                "crates/modeling/src/pipe",
+                "crates/modeling/src/ipp",
+            ],
         ),
         rows(
             "pipes times",
             "docs/pipe.md",
             &[Rows(Suite::Modeling, &[("pipe/*", "*")])],
             &[Median, P99],
-            &["crates/bench/src/modeling/pipe.rs", "crates/modeling/src/pipe", "crates/modeling/src/ipp"],
+            &[
+                "crates/bench/src/modeling/pipe.rs",
+                "crates/modeling/src/pipe",
+                "crates/modeling/src/ipp",
+            ],
         ),
         rows(
             "branches",
             "docs/branch.md",
             &[Rows(Suite::Modeling, &[("branch/*", "*")])],
             &[Error, Wrong, Note],
-            &["crates/bench/src/modeling/branch.rs", "crates/modeling/src/branch"],
+            &[
+                "crates/bench/src/modeling/branch.rs",
+                "crates/modeling/src/branch",
+            ],
         ),
         rows(
             "branches times",
             "docs/branch.md",
             &[Rows(Suite::Modeling, &[("branch/*", "*")])],
             &[Median, P99],
-            &["crates/bench/src/modeling/branch.rs", "crates/modeling/src/branch"],
+            &[
+                "crates/bench/src/modeling/branch.rs",
+                "crates/modeling/src/branch",
+            ],
         ),
         Table {
             measure: Box::new(trees),
-            ..table("trees", "docs/branch.md", &["crates/modeling/src/branch", GEOMETRY])
+            ..table(
+                "trees",
+                "docs/branch.md",
+                &["crates/modeling/src/branch", GEOMETRY],
+            )
         },
         isolation("isolation", false),
         isolation("isolation times", true),
         Table {
             measure: Box::new(|| printed(&["surface", "merge", "--cases"])),
-            ..table("merge", "docs/merge.md", &["crates/modeling/src/merge", GEOMETRY])
+            ..table(
+                "merge",
+                "docs/merge.md",
+                &["crates/modeling/src/merge", GEOMETRY],
+            )
         },
         rows(
             "random merges",
             "docs/merge.md",
             &[Rows(Suite::Modeling, &[("merge/random100", "*")])],
             &[Error, Note],
-            &["crates/bench/src/modeling/merge.rs", "crates/modeling/src/merge", GEOMETRY],
+            &[
+                "crates/bench/src/modeling/merge.rs",
+                "crates/modeling/src/merge",
+                GEOMETRY,
+            ],
         ),
     ]);
     all
@@ -293,7 +338,10 @@ fn rows(
                     let of = |row: &&Row| matches(case, &row.case) && matches(method, &row.method);
                     let before = lines.len();
                     lines.extend(rows.iter().filter(of).map(|row| line(row, columns)));
-                    ensure!(lines.len() > before, "{case} {method}: there is no such row");
+                    ensure!(
+                        lines.len() > before,
+                        "{case} {method}: there is no such row"
+                    );
                 }
             }
             Ok(markdown(&lines))
@@ -310,7 +358,9 @@ fn heading(columns: &[Column]) -> Vec<String> {
         Wrong => "wrong answers",
         Note => "also",
     };
-    let names = ["case", "method"].into_iter().chain(columns.iter().map(name));
+    let names = ["case", "method"]
+        .into_iter()
+        .chain(columns.iter().map(name));
     names.map(str::to_owned).collect()
 }
 
@@ -329,7 +379,9 @@ fn line(row: &Row, columns: &[Column]) -> Vec<String> {
         Note => Some(row.note.clone()),
     };
     let names = [format!("`{}`", row.case), row.method.clone()];
-    let cells = columns.iter().map(|column| cell(column).unwrap_or_default());
+    let cells = columns
+        .iter()
+        .map(|column| cell(column).unwrap_or_default());
     names.into_iter().chain(cells).collect()
 }
 
@@ -347,14 +399,21 @@ fn figures(name: &str, document: &'static str, from: Rows, timed: bool) -> Table
             let asked: Vec<String> = patterns.iter().map(|(c, m)| row_of(c, m)).collect();
             let measured = suite.run(Effort::Full, &asked);
             ensure!(measured.failed.is_empty(), "{}", measured.failed.join("\n"));
-            let mut lines = vec![["quantity", "measured", "bar", "also"].map(str::to_owned).to_vec()];
+            let mut lines = vec![
+                ["quantity", "measured", "bar", "also"]
+                    .map(str::to_owned)
+                    .to_vec(),
+            ];
             for (case, method) in patterns {
                 let of = |figure: &&Figure| {
                     matches(case, &figure.case) && matches(method, &figure.method)
                 };
                 let before = lines.len();
                 lines.extend(measured.figures.iter().filter(of).map(figure_line));
-                ensure!(lines.len() > before, "{case} {method}: there is no such figure");
+                ensure!(
+                    lines.len() > before,
+                    "{case} {method}: there is no such figure"
+                );
             }
             Ok(markdown(&lines))
         }),
@@ -367,7 +426,9 @@ fn figure_line(figure: &Figure) -> Vec<String> {
     let met = if figure.is_met() { "" } else { " **missed**" };
     vec![
         format!("`{}` {}", figure.case, figure.method),
-        format!("{} {unit}{met}", short(figure.value)).trim().to_owned(),
+        format!("{} {unit}{met}", short(figure.value))
+            .trim()
+            .to_owned(),
         figure.bar.map_or(String::new(), |bar| bar.to_string()),
         figure.note.clone(),
     ]
@@ -382,10 +443,18 @@ fn isolation(name: &str, timed: bool) -> Table {
             let measured = Suite::Modeling.run(effort, &["isolate/*".to_owned()]).rows;
             let methods: &[&str] = match timed {
                 true => &["overlap", "local", "global", "surfaces"],
-                false => &["1", "2", "3", "4", "5", "6", "7", "local", "global", "surfaces"],
+                false => &[
+                    "1", "2", "3", "4", "5", "6", "7", "local", "global", "surfaces",
+                ],
             };
             let mut lines: Vec<Vec<String>> = Vec::new();
-            lines.push(["pair"].iter().chain(methods).map(|name| (*name).to_owned()).collect());
+            lines.push(
+                ["pair"]
+                    .iter()
+                    .chain(methods)
+                    .map(|name| (*name).to_owned())
+                    .collect(),
+            );
             let mut pairs: Vec<&str> = Vec::new();
             for row in &measured {
                 if !pairs.contains(&row.method.as_str()) {
@@ -395,10 +464,14 @@ fn isolation(name: &str, timed: bool) -> Table {
             for pair in pairs {
                 let cell = |method: &&str| {
                     let ends = format!("/{method}");
-                    let row = measured.iter().find(|row| row.method == pair && row.case.ends_with(&ends));
+                    let row = measured
+                        .iter()
+                        .find(|row| row.method == pair && row.case.ends_with(&ends));
                     let row = row.with_context(|| format!("{pair} has no row of {method}"))?;
                     anyhow::Ok(match timed {
-                        true => row.times.map_or(String::new(), |times| seconds(times.median_s)),
+                        true => row
+                            .times
+                            .map_or(String::new(), |times| seconds(times.median_s)),
                         false => length(row),
                     })
                 };
@@ -410,14 +483,20 @@ fn isolation(name: &str, timed: bool) -> Table {
         ..table(
             name,
             "docs/isolate.md",
-            &["crates/bench/src/modeling/isolate.rs", "crates/modeling/src/isolate"],
+            &[
+                "crates/bench/src/modeling/isolate.rs",
+                "crates/modeling/src/isolate",
+            ],
         )
     }
 }
 
 /// Length over the least, and steps, of a row whose note tells them.
 fn length(row: &Row) -> String {
-    let steps = row.note.split(", ").find_map(|part| part.strip_suffix(" steps"));
+    let steps = row
+        .note
+        .split(", ")
+        .find_map(|part| part.strip_suffix(" steps"));
     match (row.error, steps) {
         (Some(error), Some(steps)) => format!("{:.3} / {steps}", 1.0 + error.value),
         (Some(error), None) => format!("{:.3}", 1.0 + error.value),

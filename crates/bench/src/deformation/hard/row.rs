@@ -210,8 +210,12 @@ impl Run {
 pub fn hard_table(rows: &[HardRow]) -> String {
     let mut text = String::new();
     for row in rows {
-        let excess = row.energy_excess.map(|excess| format!("energy excess {excess:>8.1e}  "));
-        let median = row.median_s.map(|median_s| format!("tick p50 {:>8.2} µs  ", median_s * 1e6));
+        let excess = row
+            .energy_excess
+            .map(|excess| format!("energy excess {excess:>8.1e}  "));
+        let median = row
+            .median_s
+            .map(|median_s| format!("tick p50 {:>8.2} µs  ", median_s * 1e6));
         let _ = writeln!(
             text,
             "{:<40} {:>6} ticks  {}{} faults  {}{}",

@@ -148,7 +148,10 @@ mod tests {
             let rows = measured(only);
             let converged = usize::from(only != "motion/spin/lattice");
             assert_eq!(rows.len(), SETTINGS.len() + converged, "{only}: {rows:?}");
-            assert!(rows.iter().all(|row| row.times.is_some()), "{only}: {rows:?}");
+            assert!(
+                rows.iter().all(|row| row.times.is_some()),
+                "{only}: {rows:?}"
+            );
         }
     }
 }
