@@ -23,7 +23,7 @@ pub(super) struct Table {
     pub measure: Box<dyn Fn() -> anyhow::Result<String>>,
 }
 
-/// Rows of a suite: cases and methods, `*` at the end stands for anything.
+/// Rows of a suite: cases and methods, one `*` stands for anything.
 #[derive(Clone, Copy)]
 struct Rows(Suite, &'static [(&'static str, &'static str)]);
 
@@ -125,6 +125,32 @@ pub(super) fn tables() -> Vec<Table> {
                 &[
                     "crates/bench/src/deformation/passes.rs",
                     "crates/bench/src/deformation/indent.rs",
+                ],
+            )
+        },
+        Table {
+            of_simulation: true,
+            ..rows_at(
+                Effort::Quick,
+                "motion",
+                "docs/deformation.md",
+                &[Rows(
+                    Suite::Deformation,
+                    &[
+                        ("motion/ringdown/*", "palpate 1 it"),
+                        ("motion/ringdown/*", "palpate 3 it"),
+                        ("motion/frequency/*", "palpate 1 it"),
+                        ("motion/press/*", "palpate 1 it"),
+                        ("motion/press/*", "palpate 3 it"),
+                        ("motion/bounce", "palpate 1 it"),
+                        ("motion/bounce", "palpate 3 it"),
+                        ("motion/spin/*", "palpate 1 it"),
+                    ],
+                )],
+                &[Error],
+                &[
+                    "crates/bench/src/deformation/motion",
+                    "crates/bench/src/exact_step",
                 ],
             )
         },
@@ -326,6 +352,17 @@ fn rows(
     columns: &'static [Column],
     inputs: &[&str],
 ) -> Table {
+    rows_at(Effort::Full, name, document, from, columns, inputs)
+}
+
+fn rows_at(
+    effort: Effort,
+    name: &str,
+    document: &'static str,
+    from: &'static [Rows],
+    columns: &'static [Column],
+    inputs: &[&str],
+) -> Table {
     let timed = columns.iter().any(|column| matches!(column, Median | P99));
     Table {
         timed,
@@ -333,7 +370,7 @@ fn rows(
             let mut lines = vec![heading(columns)];
             for Rows(suite, patterns) in from {
                 let asked: Vec<String> = patterns.iter().map(|(c, m)| row_of(c, m)).collect();
-                let rows = suite.run(Effort::Full, &asked).rows;
+                let rows = suite.run(effort, &asked).rows;
                 for (case, method) in *patterns {
                     let of = |row: &&Row| matches(case, &row.case) && matches(method, &row.method);
                     let before = lines.len();
