@@ -31,6 +31,8 @@ pub struct BarOptions {
 enum Field {
     /// The size of its error.
     Error,
+    /// Its error with its sign: less than nothing is no miss.
+    Excess,
     /// Answers that are wrong.
     Wrong,
     /// Its error over that of this method in the same case.
@@ -215,7 +217,11 @@ impl Promise {
                 let library = method.split([',', ' ']).next().unwrap_or_default();
                 rows.push(row_of(self.case, library));
             }
-            Field::Error | Field::Wrong | Field::PeersTakeTimesLonger | Field::Own => {}
+            Field::Error
+            | Field::Excess
+            | Field::Wrong
+            | Field::PeersTakeTimesLonger
+            | Field::Own => {}
         }
         rows
     }
@@ -238,6 +244,11 @@ impl Promise {
                 Field::Error => (
                     "error".to_owned(),
                     row.error_size(),
+                    row.error.map_or("", |error| error.unit),
+                ),
+                Field::Excess => (
+                    "excess".to_owned(),
+                    row.error.map(|error| error.value),
                     row.error.map_or("", |error| error.unit),
                 ),
                 Field::Wrong => ("wrong answers".to_owned(), row.wrong.map(|n| n as f64), "1"),
