@@ -528,16 +528,14 @@ fn isolation(name: &str, timed: bool) -> Table {
     }
 }
 
-/// Length over the least, and steps, of a row whose note tells them.
+/// Length over the least, and the steps of a method that takes steps, which its note tells.
 fn length(row: &Row) -> String {
-    let steps = row
-        .note
-        .split(", ")
-        .find_map(|part| part.strip_suffix(" steps"));
+    let mut parts = row.note.split(", ");
+    let steps = parts.find_map(|part| part.strip_suffix(" steps"));
     match (row.error, steps) {
-        (Some(error), Some(steps)) => format!("{:.3} / {steps}", 1.0 + error.value),
-        (Some(error), None) => format!("{:.3}", 1.0 + error.value),
         (None, _) => "none".to_owned(),
+        (Some(error), Some("0") | None) => format!("{:.3}", 1.0 + error.value),
+        (Some(error), Some(steps)) => format!("{:.3} / {steps}", 1.0 + error.value),
     }
 }
 
