@@ -93,15 +93,15 @@ impl Table {
         }
         table.add("error", text(&|row| row.outcome.error.clone()));
         table.add("ticks", whole(&|row| row.outcome.ticks));
-        let figure = |of: &dyn Fn(&Outcome) -> f64| {
+        let figure = |of: &dyn Fn(&Outcome) -> Option<f64>| {
             // Of a run that did not come to its end there are no figures.
-            let of = |row: &Row| (row.outcome.ticks > 0).then(|| of(&row.outcome));
+            let of = |row: &Row| of(&row.outcome).filter(|_| row.outcome.ticks > 0);
             Cells::Number(rows.iter().map(of).collect())
         };
-        table.add("time_s", figure(&|outcome| outcome.time_s));
+        table.add("time_s", figure(&|outcome| Some(outcome.time_s)));
         for (name, of) in FIGURES {
-            let all = |outcome: &Outcome| outcome.tools.iter().map(of).fold(0.0, f64::max);
-            let sum = |outcome: &Outcome| outcome.tools.iter().map(of).sum();
+            let all = |outcome: &Outcome| Some(outcome.tools.iter().map(of).fold(0.0, f64::max));
+            let sum = |outcome: &Outcome| Some(outcome.tools.iter().map(of).sum());
             match name {
                 "energy_j" => table.add(name, figure(&sum)),
                 // That of the tool with the greatest force.
@@ -110,7 +110,7 @@ impl Table {
                         let by = |a: &&ToolFigures, b: &&ToolFigures| {
                             a.peak_force_n.total_cmp(&b.peak_force_n)
                         };
-                        outcome.tools.iter().max_by(by).map_or(0.0, of)
+                        Some(outcome.tools.iter().max_by(by).map_or(0.0, of))
                     };
                     table.add(name, figure(&strongest));
                 }
@@ -121,8 +121,8 @@ impl Table {
         for tool in tools.iter().filter(|_| tools.len() > 1) {
             for (name, of) in FIGURES {
                 let of = |outcome: &Outcome| {
-                    (outcome.tools.iter().find(|figures| figures.tool == *tool))
-                        .map_or(f64::NAN, of)
+                    let figures = outcome.tools.iter().find(|figures| figures.tool == *tool);
+                    figures.map(of)
                 };
                 table.add(&format!("{tool}.{name}"), figure(&of));
             }
@@ -132,7 +132,7 @@ impl Table {
         table.add("state_hash", text(&|row| kept(&row.outcome.state_hash)));
         table.add("key", text(&|row| kept(&row.outcome.key)));
         if timings {
-            table.add("wall_s", figure(&|outcome| outcome.wall_s));
+            table.add("wall_s", figure(&|outcome| Some(outcome.wall_s)));
         }
         table
     }

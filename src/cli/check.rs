@@ -52,10 +52,8 @@ pub fn judge(loaded: &file::Loaded, json: bool) -> anyhow::Result<Outcome> {
         times_us.push(begun.elapsed().as_secs_f64() * 1e6);
     }
     times_us.sort_by(f64::total_cmp);
-    let plan = scene.plan();
-    let predicted_us: f64 = plan.stages.iter().map(|stage| stage.predicted_us).sum();
     // The prediction is of a tick in contact, the measured ticks are not.
-    let tick_us = predicted_us.max(times_us[TICKS / 2]);
+    let tick_us = scene.predicted_tick_us().max(times_us[TICKS / 2]);
     let (asked_hz, held_hz) = (1.0 / scene.dt_s, 1e6 / tick_us);
     let findings = scene.findings();
     if json {

@@ -113,3 +113,20 @@ pub fn write_new(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     file.write_all(bytes)
         .with_context(|| path.display().to_string())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    // What `check` and `serve` would say of it.
+    #[test]
+    fn nothing_is_found_about_a_builtin_scene_and_its_ticks_are_long_enough() {
+        for (name, _) in BUILTIN {
+            let loaded = load(Path::new(&format!("builtin:{name}"))).unwrap();
+            let scene = loaded.build().unwrap();
+            assert_eq!(scene.findings(), [], "{name}");
+            let tick_us = scene.predicted_tick_us();
+            assert!(tick_us * 1e-6 < scene.dt_s, "{name}: {tick_us} us");
+        }
+    }
+}

@@ -23,6 +23,9 @@ pub struct Cell {
     pub kept: bool,
     #[serde(skip)]
     digits: usize,
+    /// It is a time of the machine: not the same in the next run.
+    #[serde(skip)]
+    of_machine: bool,
 }
 
 /// A run.
@@ -110,6 +113,7 @@ impl Report {
                 at_most: spec.at_most,
                 kept: spec.keeps(value),
                 digits: spec.digits,
+                of_machine: matches!(spec.what, Look::TickTime(_)),
             });
         }
         self.passed &= cells.iter().all(|cell| cell.kept);
@@ -162,10 +166,53 @@ impl Report {
         if !self.source.is_empty() {
             let _ = writeln!(text, "source: {}", self.source);
         }
+        table(&self.lines(|_| true), &mut text);
+        for claim in &self.claims {
+            let _ = writeln!(text, "{}: {}", claim.verdict(), claim.says);
+        }
+        for [figure, says] in &self.says {
+            let _ = writeln!(text, "source, {figure}: {says}");
+        }
+        for row in &self.rows {
+            for file in &row.files {
+                let _ = writeln!(text, "wrote {file}");
+            }
+        }
+        if !self.passed {
+            text.push_str("a bar was missed: marked with !\n");
+        }
+        text
+    }
+
+    /// For a document: the table without times of the machine, claims, and what the source says, as
+    /// Markdown.
+    pub fn markdown(&self) -> String {
+        let mut text = String::new();
+        for (k, line) in self.lines(|cell| !cell.of_machine).iter().enumerate() {
+            let _ = writeln!(text, "| {} |", line.join(" | "));
+            if k == 0 {
+                let _ = writeln!(text, "|{}", "---|".repeat(line.len()));
+            }
+        }
+        if !(self.claims.is_empty() && self.says.is_empty()) {
+            text.push('\n');
+        }
+        for claim in &self.claims {
+            let says = claim.says.trim_end_matches('.');
+            let _ = writeln!(text, "- {says}: {}.", claim.verdict());
+        }
+        for [figure, says] in &self.says {
+            let _ = writeln!(text, "- The source, {figure}: {says}");
+        }
+        text
+    }
+
+    /// The table: a heading, a line for each run, and the bars if there are any.
+    fn lines(&self, shown: impl Fn(&Cell) -> bool) -> Vec<Vec<String>> {
         let mut columns: Vec<(String, String)> = Vec::new();
         for cell in self.rows.iter().flat_map(|row| &row.cells) {
             let column = (cell.measure.clone(), cell.unit.clone());
-            if !columns.contains(&column) {
+            if shown(cell) && !columns.contains(&column) {
                 columns.push(column);
             }
         }
@@ -187,28 +234,7 @@ impl Report {
         if bars.iter().any(|bar| !bar.is_empty()) {
             lines.push(std::iter::once("bar".to_owned()).chain(bars).collect());
         }
-        table(&lines, &mut text);
-        for claim in &self.claims {
-            let verdict = match (claim.holds, claim.reported) {
-                (None, _) => "not judged",
-                (Some(true), _) => "holds",
-                (Some(false), true) => "does not hold",
-                (Some(false), false) => "MISSED",
-            };
-            let _ = writeln!(text, "{verdict}: {}", claim.says);
-        }
-        for [figure, says] in &self.says {
-            let _ = writeln!(text, "source, {figure}: {says}");
-        }
-        for row in &self.rows {
-            for file in &row.files {
-                let _ = writeln!(text, "wrote {file}");
-            }
-        }
-        if !self.passed {
-            text.push_str("a bar was missed: marked with !\n");
-        }
-        text
+        lines
     }
 
     fn bar(&self, measure: &str) -> String {
@@ -222,6 +248,17 @@ impl Report {
             (Some(least), None) => format!("≥ {least}"),
             (None, Some(most)) => format!("≤ {most}"),
             (Some(least), Some(most)) => format!("{least} … {most}"),
+        }
+    }
+}
+
+impl Claimed {
+    fn verdict(&self) -> &'static str {
+        match (self.holds, self.reported) {
+            (None, _) => "not judged",
+            (Some(true), _) => "holds",
+            (Some(false), true) => "does not hold",
+            (Some(false), false) => "MISSED",
         }
     }
 }

@@ -131,7 +131,6 @@ impl LoopMetrics {
 
     fn write_tools(&self, out: &mut Exposition) {
         type Read = fn(&LoopMetrics, usize, &ToolLink) -> u64;
-        let at = |values: &[u64], t: usize| values.get(t).copied().unwrap_or(0);
         let counters: [(&str, &str, Read); 8] = [
             ("tool_poses_received", "Poses taken", |_, _, tool| tool.received),
             (
@@ -183,7 +182,9 @@ impl LoopMetrics {
             let clients = self.status.tools.iter().zip(&self.clients);
             clients.filter_map(|(tool, counts)| Some((&*tool.tool, counts.as_ref()?)))
         };
-        let labels = |tool, counts: &ClientCounts| [("tool", tool), ("client", &*counts.client)];
+        fn labels<'a>(tool: &'a str, counts: &'a ClientCounts) -> [(&'static str, &'a str); 2] {
+            [("tool", tool), ("client", &counts.client)]
+        }
         let published = clients().map(|(tool, counts)| (labels(tool, counts), counts.published));
         let help = "Forces sent to the client that holds a tool, since it has it";
         out.family("client_forces_published", help, "", COUNTER, published);
@@ -207,6 +208,11 @@ const QUANTILES: [&str; 3] = ["0.5", "0.99", "1"];
 fn quantiles(values: &Quantiles) -> impl Iterator<Item = ([(&'static str, &'static str); 1], f64)> {
     let values = [values.p50_ns, values.p99_ns, values.max_ns].map(|ns| ns as f64 * 1e-9);
     QUANTILES.into_iter().zip(values).map(|(quantile, s)| ([("quantile", quantile)], s))
+}
+
+/// The count of a tool; 0 for one that nothing was counted of yet.
+fn at(values: &[u64], tool: usize) -> u64 {
+    values.get(tool).copied().unwrap_or(0)
 }
 
 /// A kind of family: its name in a `TYPE` line, and what its samples' names end in.

@@ -14,7 +14,7 @@ mod svg;
 
 use self::inputs::{body, tool};
 use super::measure::{Times, time};
-use super::{Effort, Row};
+use super::{Cases, Effort, Row};
 use std::time::Duration;
 
 pub use self::svg::picture;
@@ -28,11 +28,11 @@ const AREAS: [u32; 5] = [1, 5, 25, 50, 100];
 /// Radius of the ball, m; the bodies are about 0.1 m long.
 const RADIUS_M: f64 = 0.01;
 
-/// Runs the suite; `only` keeps the cases whose names contain it. Each row is handed out as soon as
+/// Runs cases of the suite. Each row is handed out as soon as
 /// it is measured.
-pub fn contact(effort: Effort, only: Option<&str>, out: &mut dyn FnMut(Row)) {
+pub fn contact(effort: Effort, cases: Cases<'_>, out: &mut dyn FnMut(Row)) {
     let mut suite = Suite { effort, out };
-    let wanted = |case: &str| only.is_none_or(|part| case.contains(part));
+    let wanted = |case: &str| cases.has(case);
     for (name, radius_m) in [("point", 0.0), ("sphere", RADIUS_M)] {
         for count in NETS {
             for (warm, temper) in [(false, "cold"), (true, "warm")] {
@@ -141,17 +141,10 @@ impl Suite<'_> {
 
     fn report(&mut self, case: &str, method: &str, peer: bool, result: &Outcome) {
         (self.out)(Row {
-            suite: "contact",
-            case: case.to_owned(),
-            method: method.to_owned(),
             peer,
-            median_s: result.times.median_s,
-            p99_s: result.times.p99_s,
-            error: result.error,
-            error_unit: "m",
-            n: result.times.n,
-            wrong: None,
-            note: String::new(),
+            ..Row::new("contact", case, method)
+                .timed(result.times)
+                .off_by(result.error, "m")
         });
     }
 

@@ -24,7 +24,7 @@ pub use hard::{HardRow, hard_cases, hard_table};
 pub use plasticine::{Sweep, plasticine_picture, plasticine_table};
 pub use svg::pareto;
 
-use super::{Effort, Row};
+use super::{Cases, Effort, Row};
 use scenes::{BoxCase, TeardropCase};
 
 /// Force of the box's converged reference, N.
@@ -32,12 +32,12 @@ const BOX_REFERENCE_N: f64 = 5.25;
 /// Forces of the teardrop's, N, at 1, 2, 3 and 4 mm.
 const TEARDROP_REFERENCE_N: [f64; 4] = [0.0450, 0.1045, 0.1720, 0.2461];
 
-/// Runs the suite; `only` keeps the cases whose names contain it. Each row is handed out as soon as
+/// Runs cases of the suite. Each row is handed out as soon as
 /// it is measured. Gives what the plasticine did.
-pub fn deformation(effort: Effort, only: Option<&str>, out: &mut dyn FnMut(Row)) -> Vec<Sweep> {
-    let wanted = |case: &str| only.is_none_or(|part| case.contains(part));
+pub fn deformation(effort: Effort, cases: Cases<'_>, out: &mut dyn FnMut(Row)) -> Vec<Sweep> {
+    let wanted = |case: &str| cases.has(case);
     // Long cases run when there is time, or when they are asked for.
-    let in_time = |long: bool| !long || effort == Effort::Full || only.is_some();
+    let in_time = |long: bool| !long || effort == Effort::Full || cases.are_chosen();
     for case in BoxCase::all() {
         let beside = format!("{}/{}/{}", case.group, case.model, case.method);
         if (wanted(&case.name) || wanted(&beside)) && in_time(case.long) {
@@ -46,7 +46,7 @@ pub fn deformation(effort: Effort, only: Option<&str>, out: &mut dyn FnMut(Row))
     }
     peers::rows(
         effort,
-        effort == Effort::Quick && only.is_none(),
+        effort == Effort::Quick && !cases.are_chosen(),
         &wanted,
         out,
     );

@@ -37,14 +37,29 @@ pub enum Bar {
     AtMost(f64),
 }
 
+impl Bar {
+    /// True for a value that reaches it; what is not a number does not.
+    pub fn holds(self, value: f64) -> bool {
+        match self {
+            Self::AtLeast(bar) => value >= bar,
+            Self::AtMost(bar) => value <= bar,
+        }
+    }
+}
+
+impl std::fmt::Display for Bar {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::AtLeast(bar) => write!(f, "≥ {}", short(*bar)),
+            Self::AtMost(bar) => write!(f, "≤ {}", short(*bar)),
+        }
+    }
+}
+
 impl Figure {
     /// True if there is no bar or it is reached.
     pub fn is_met(&self) -> bool {
-        match self.bar {
-            None => true,
-            Some(Bar::AtLeast(bar)) => self.value >= bar,
-            Some(Bar::AtMost(bar)) => self.value <= bar,
-        }
+        self.bar.is_none_or(|bar| bar.holds(self.value))
     }
 }
 
@@ -52,10 +67,12 @@ impl Figure {
 pub fn figures_table(figures: &[Figure]) -> String {
     let mut text = String::new();
     for figure in figures {
-        let bar = match figure.bar {
-            None => String::new(),
-            Some(Bar::AtLeast(bar)) => format!("  bar ≥ {}", short(bar)),
-            Some(Bar::AtMost(bar)) => format!("  bar ≤ {}", short(bar)),
+        let bar = figure
+            .bar
+            .map_or(String::new(), |bar| format!("  bar {bar}"));
+        let reference = match figure.reference_is {
+            "" => String::new(),
+            is => format!(" {is} {}", short(figure.reference)),
         };
         let met = if figure.is_met() { "" } else { "  NOT MET" };
         let unit = if figure.unit == "1" { "" } else { figure.unit };
@@ -66,18 +83,16 @@ pub fn figures_table(figures: &[Figure]) -> String {
         };
         let _ = writeln!(
             text,
-            "{:<26} {:<30} {:>10} {unit:<3} {} {}{bar}{met}{note}",
+            "{:<26} {:<30} {:>10} {unit:<3}{reference}{bar}{met}{note}",
             figure.case,
             figure.method,
             short(figure.value),
-            figure.reference_is,
-            short(figure.reference),
         );
     }
     text
 }
 
-fn short(value: f64) -> String {
+pub(crate) fn short(value: f64) -> String {
     match value.abs() {
         0.0 => "0".to_owned(),
         size if (1e-2..1e4).contains(&size) => format!("{value:.4}"),

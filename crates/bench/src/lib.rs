@@ -4,8 +4,10 @@
 //! Wall clock on whatever machine this is: between runs only ratios mean anything. Errors are
 //! measured, not assumed, against answers that are computed another way.
 
+mod bars;
 mod contact;
 mod deformation;
+mod documents;
 mod exact_step;
 mod faults;
 mod figure;
@@ -19,17 +21,21 @@ mod processes;
 mod recording;
 mod relay;
 mod soak;
+mod suite;
 mod surface;
 mod table;
 mod viewer;
 
+pub use bars::{BarOptions, bars};
 pub use contact::{contact, picture};
 pub use deformation::{
     HardRow, Sweep, deformation, hard_cases, hard_table, pareto, plasticine_picture,
     plasticine_table,
 };
+pub use documents::{DocumentOptions, documents};
 pub use faults::{FaultOptions, faults};
 pub use figure::{Bar, Figure, figures_table};
+pub use measure::Times;
 pub use modeling::modeling;
 pub use peers::LEFT_OUT;
 pub use recording::{RecorderOptions, record_until_killed, recording};
@@ -50,16 +56,12 @@ pub struct Row {
     pub method: String,
     /// True for other libraries.
     pub peer: bool,
-    /// Median time of one call, s.
-    pub median_s: f64,
-    /// 99th percentile, s.
-    pub p99_s: f64,
-    /// Largest error seen.
-    pub error: f64,
-    /// Unit of `error`.
-    pub error_unit: &'static str,
-    /// Calls timed.
-    pub n: usize,
+    /// What its calls took; `None` if there were none.
+    #[serde(flatten)]
+    pub times: Option<Times>,
+    /// Largest error seen; `None` where there is nothing to compare with.
+    #[serde(flatten)]
+    pub error: Option<Deviation>,
     /// Answers that are wrong by more than 1e-9 of the surface's size, or missing; `None` where
     /// none can be.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -67,6 +69,105 @@ pub struct Row {
     /// Further results: forces, energies, counts.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub note: String,
+}
+
+/// An error, with its unit.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Deviation {
+    /// Its size, with a sign where that means something.
+    #[serde(rename = "error")]
+    pub value: f64,
+    /// What it is counted in.
+    #[serde(rename = "error_unit")]
+    pub unit: &'static str,
+}
+
+impl Row {
+    /// Of our own method, with nothing measured yet.
+    pub(crate) fn new(
+        suite: &'static str,
+        case: impl Into<String>,
+        method: impl Into<String>,
+    ) -> Self {
+        Self {
+            suite,
+            case: case.into(),
+            method: method.into(),
+            peer: false,
+            times: None,
+            error: None,
+            wrong: None,
+            note: String::new(),
+        }
+    }
+
+    pub(crate) fn timed(self, times: impl Into<Option<Times>>) -> Self {
+        Self {
+            times: times.into(),
+            ..self
+        }
+    }
+
+    /// With an error; what is not a number is none.
+    pub(crate) fn off_by(self, value: impl Into<Option<f64>>, unit: &'static str) -> Self {
+        let value = value.into().filter(|value| !value.is_nan());
+        Self {
+            error: value.map(|value| Deviation { value, unit }),
+            ..self
+        }
+    }
+
+    pub(crate) fn saying(self, note: impl Into<String>) -> Self {
+        Self {
+            note: note.into(),
+            ..self
+        }
+    }
+
+    /// How large its error is.
+    pub fn error_size(&self) -> Option<f64> {
+        self.error.map(|error| error.value.abs())
+    }
+}
+
+/// Which cases of a suite run.
+#[derive(Clone, Copy, Debug)]
+pub enum Cases<'a> {
+    /// Those of a run by default.
+    Usual,
+    /// Those whose names contain this.
+    Containing(&'a str),
+    /// Those that a method's row belongs to, by `CASE/METHOD`, spaces as slashes; one `*` stands for
+    /// anything.
+    Rows(&'a [String]),
+}
+
+impl<'a> From<Option<&'a str>> for Cases<'a> {
+    fn from(part: Option<&'a str>) -> Self {
+        part.map_or(Self::Usual, Self::Containing)
+    }
+}
+
+impl Cases<'_> {
+    /// True for a case, or for a group of cases in which there is one.
+    pub(crate) fn has(&self, case: &str) -> bool {
+        match self {
+            Self::Usual => true,
+            Self::Containing(part) => case.contains(part),
+            Self::Rows(rows) => rows.iter().any(|row| {
+                let known = row.split('*').next().unwrap_or_default();
+                let is_in_it = known
+                    .strip_prefix(case)
+                    .is_some_and(|rest| rest.starts_with('/'));
+                is_in_it || suite::matches(row, case)
+            }),
+        }
+    }
+
+    /// True if somebody asked for just these: then long ones run too.
+    pub(crate) fn are_chosen(&self) -> bool {
+        !matches!(self, Self::Usual)
+    }
 }
 
 /// How long to measure.

@@ -4,10 +4,11 @@
 use anyhow::Context;
 use clap::Parser;
 use palpate_bench::{
-    Effort, FaultOptions, Figure, HardRow, LEFT_OUT, RecorderOptions, RelayOptions, Row, SoakOptions,
-    SubscriberOptions, contact, deformation, faults, figures_table, haptics, hard_cases,
-    hard_table, modeling, pareto, picture, plasticine_picture, plasticine_table,
-    record_until_killed, recording, relay, soak, subscribers, surface, table, viewer,
+    BarOptions, Cases, DocumentOptions, Effort, FaultOptions, Figure, HardRow, LEFT_OUT, RecorderOptions,
+    RelayOptions, Row, SoakOptions, SubscriberOptions, bars, contact, deformation, documents,
+    faults, figures_table, haptics, hard_cases, hard_table, modeling, pareto, picture,
+    plasticine_picture, plasticine_table, record_until_killed, recording, relay, soak, subscribers,
+    surface, table, viewer,
 };
 use std::io::Write;
 use std::process::ExitCode;
@@ -58,6 +59,14 @@ enum Suite {
     Recording(Options),
     /// What pages cost the loop and the daemon, and how soon they have something to show.
     Viewer(Options),
+    /// What the project promises as errors and ratios, a line each, met or missed.
+    ///
+    /// Exit codes: 0 all are met, 1 one is missed, 3 one could not be measured.
+    Bars(BarOptions),
+    /// Tables of the documents that are written by this program: which are stale, or write them anew.
+    ///
+    /// Exit codes: 0 none is stale, 1 one is, 3 one could not be measured.
+    Documents(DocumentOptions),
     /// The daemon under faults of network, disk, processes and clock, on a virtual clock, by seeds.
     Faults(FaultOptions),
     /// A relay with hundreds who watch: what they cost the daemon, and what each receives.
@@ -95,6 +104,66 @@ struct Options {
     only: Option<String>,
 }
 
+impl Options {
+    fn effort(&self) -> Effort {
+        match self.quick {
+            true => Effort::Quick,
+            false => Effort::Full,
+        }
+    }
+
+    fn cases(&self) -> Cases<'_> {
+        self.only.as_deref().into()
+    }
+
+    /// Runs a suite, which hands out what it measures: prints that as JSON, or its name as it comes. All of
+    /// it, and what else the suite made.
+    fn run<R: serde::Serialize, T>(
+        &self,
+        name: fn(&R) -> String,
+        suite: impl FnOnce(&mut dyn FnMut(R)) -> T,
+    ) -> anyhow::Result<(Vec<R>, T)> {
+        let (mut rows, mut written) = (Vec::new(), Ok(()));
+        let made = suite(&mut |row| {
+            if self.json {
+                let line = serde_json::to_string(&row).map_err(anyhow::Error::from);
+                let line = line.and_then(|line| Ok(writeln!(std::io::stdout(), "{line}")?));
+                written = std::mem::replace(&mut written, Ok(())).and(line);
+            } else {
+                eprintln!("{}", name(&row));
+            }
+            rows.push(row);
+        });
+        written.map(|()| (rows, made))
+    }
+
+    /// A suite of rows, printed as a table.
+    fn rows<T>(
+        &self,
+        suite: fn(Effort, Cases<'_>, &mut dyn FnMut(Row)) -> T,
+    ) -> anyhow::Result<(Vec<Row>, T)> {
+        let name = |row: &Row| format!("{} {}", row.case, row.method);
+        let (rows, made) = self.run(name, |out| suite(self.effort(), self.cases(), out))?;
+        if !self.json {
+            print!("{}", table(&rows));
+        }
+        Ok((rows, made))
+    }
+
+    /// A suite of figures, printed as a table.
+    fn figures<T>(
+        &self,
+        suite: fn(Effort, Cases<'_>, &mut dyn FnMut(Figure)) -> T,
+    ) -> anyhow::Result<T> {
+        let name = |figure: &Figure| format!("{} {}", figure.case, figure.method);
+        let (figures, made) = self.run(name, |out| suite(self.effort(), self.cases(), out))?;
+        if !self.json {
+            print!("{}", figures_table(&figures));
+        }
+        Ok(made)
+    }
+}
+
 fn main() -> ExitCode {
     // Daemons and devices of the suites are this program as well, so that they are of the same build.
     let mut arguments = std::env::args_os().skip(1).peekable();
@@ -103,7 +172,7 @@ fn main() -> ExitCode {
     }
     palpate::cli::end_when_nobody_reads();
     match run(&Cli::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(code) => code,
         Err(error) => {
             eprintln!("error: {error:#}");
             ExitCode::from(3)
@@ -111,179 +180,79 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(args: &Cli) -> anyhow::Result<()> {
-    if let Suite::Haptics {
-        options,
-        svg,
-        energy_svg,
-    } = &args.suite
-    {
-        return run_haptics(options, svg.as_deref(), energy_svg.as_deref());
-    }
-    if let Suite::Recording(options) = &args.suite {
-        return all_measured(&figures(options, recording)?);
-    }
-    if let Suite::Viewer(options) = &args.suite {
-        return all_measured(&figures(options, viewer)?);
-    }
-    if let Suite::Faults(options) = &args.suite {
-        return faults(options);
-    }
-    if let Suite::Soak(options) = &args.suite {
-        return soak(options);
-    }
-    if let Suite::Relay(options) = &args.suite {
-        return relay(options);
-    }
-    if let Suite::Subscribers(options) = &args.suite {
-        return subscribers(options);
-    }
-    if let Suite::Recorder(options) = &args.suite {
-        return record_until_killed(options);
-    }
-    let (options, svg) = match &args.suite {
-        Suite::Surface(options)
-        | Suite::Recording(options)
-        | Suite::Viewer(options)
-        | Suite::Modeling(options) => (options, None),
-        Suite::Contact { options, svg }
-        | Suite::Deformation { options, svg, .. }
-        | Suite::Haptics { options, svg, .. } => (options, svg.as_deref()),
-        Suite::Faults(_)
-        | Suite::Soak(_)
-        | Suite::Relay(_)
-        | Suite::Subscribers(_)
-        | Suite::Recorder(_) => return Ok(()),
-    };
-    let effort = if options.quick {
-        Effort::Quick
-    } else {
-        Effort::Full
-    };
-    let mut rows: Vec<Row> = Vec::new();
-    let mut failed = None;
-    let mut take = |row: Row| {
-        if options.json {
-            let line = serde_json::to_string(&row).map_err(anyhow::Error::from);
-            let written = line.and_then(|line| Ok(writeln!(std::io::stdout(), "{line}")?));
-            failed = failed.take().or(written.err());
-        } else {
-            eprintln!("{} {}", row.case, row.method);
-        }
-        rows.push(row);
-    };
-    let only = options.only.as_deref();
-    let (mut sweeps, mut hard) = (Vec::new(), Vec::new());
+fn run(args: &Cli) -> anyhow::Result<ExitCode> {
     match &args.suite {
-        Suite::Surface(_) => surface(effort, only, &mut take),
-        Suite::Contact { .. } => contact(effort, only, &mut take),
-        Suite::Modeling(_) => modeling(effort, only, &mut take),
-        Suite::Deformation { .. } => sweeps = deformation(effort, only, &mut take),
-        Suite::Haptics { .. }
-        | Suite::Recording(_)
-        | Suite::Viewer(_)
-        | Suite::Faults(_)
-        | Suite::Soak(_)
-        | Suite::Relay(_)
-        | Suite::Subscribers(_)
-        | Suite::Recorder(_) => {}
-    }
-    // They take a minute: when there is time, or when they are asked for.
-    if matches!(&args.suite, Suite::Deformation { .. })
-        && (effort == Effort::Full || only.is_some())
-    {
-        hard_cases(only, &mut |row: HardRow| {
-            if options.json {
-                let line = serde_json::to_string(&row).map_err(anyhow::Error::from);
-                let written = line.and_then(|line| Ok(writeln!(std::io::stdout(), "{line}")?));
-                failed = failed.take().or(written.err());
+        Suite::Surface(options) => {
+            options.rows(surface)?;
+            say_what_is_left_out();
+        }
+        Suite::Modeling(options) => drop(options.rows(modeling)?),
+        Suite::Contact { options, svg } => {
+            let (rows, ()) = options.rows(contact)?;
+            write(svg, || picture(&rows))?;
+        }
+        Suite::Deformation {
+            options,
+            svg,
+            plasticine_svg,
+        } => {
+            let (rows, sweeps) = options.rows(deformation)?;
+            // They take a minute: when there is time, or when they are asked for.
+            let hard = if options.quick && options.only.is_none() {
+                Vec::new()
             } else {
-                eprintln!("{}", row.case);
+                let name = |row: &HardRow| row.case.clone();
+                options.run(name, |out| hard_cases(options.cases(), out))?.0
+            };
+            if !options.json {
+                print!("{}{}", plasticine_table(&sweeps), hard_table(&hard));
             }
-            hard.push(row);
-        });
-    }
-    if let Some(error) = failed {
-        return Err(error);
-    }
-    if !options.json {
-        let plasticine = plasticine_table(&sweeps);
-        print!("{}{plasticine}{}", table(&rows), hard_table(&hard));
-        let compared = matches!(&args.suite, Suite::Surface(_) | Suite::Deformation { .. });
-        if let Some(left_out) = LEFT_OUT.filter(|_| compared) {
-            eprintln!("{left_out}");
+            say_what_is_left_out();
+            write(svg, || pareto(&rows))?;
+            write(plasticine_svg, || plasticine_picture(&sweeps))?;
         }
-    }
-    if let Some(path) = svg {
-        let deforming = matches!(&args.suite, Suite::Deformation { .. });
-        write(
-            path,
-            if deforming {
-                pareto(&rows)
-            } else {
-                picture(&rows)
-            },
-        )?;
-    }
-    if let Suite::Deformation {
-        plasticine_svg: Some(path),
-        ..
-    } = &args.suite
-    {
-        write(path, plasticine_picture(&sweeps))?;
-    }
-    Ok(())
-}
-
-fn write(path: &std::path::Path, drawn: String) -> anyhow::Result<()> {
-    std::fs::write(path, drawn).with_context(|| format!("cannot write {}", path.display()))
-}
-
-/// Runs a suite of figures and prints them; gives back what else it made.
-fn figures<T>(
-    options: &Options,
-    suite: impl FnOnce(Effort, Option<&str>, &mut dyn FnMut(Figure)) -> T,
-) -> anyhow::Result<T> {
-    let effort = if options.quick {
-        Effort::Quick
-    } else {
-        Effort::Full
-    };
-    let (mut figures, mut failed) = (Vec::new(), None);
-    let made = suite(effort, options.only.as_deref(), &mut |figure| {
-        if options.json {
-            let line = serde_json::to_string(&figure).map_err(anyhow::Error::from);
-            let written = line.and_then(|line| Ok(writeln!(std::io::stdout(), "{line}")?));
-            failed = failed.take().or(written.err());
-        } else {
-            eprintln!("{} {}", figure.case, figure.method);
+        Suite::Haptics {
+            options,
+            svg,
+            energy_svg,
+        } => {
+            let drawn =
+                options.figures(|effort, cases, out| haptics::haptics(effort, cases, out))?;
+            write(svg, || haptics::zwidth_picture(&drawn.widths))?;
+            write(energy_svg, || haptics::energy_picture(&drawn.traces))?;
+            all_measured(&drawn.failed)?;
         }
-        figures.push(figure);
-    });
-    if let Some(error) = failed {
-        return Err(error);
+        Suite::Recording(options) => all_measured(&options.figures(recording)?)?,
+        Suite::Viewer(options) => all_measured(&options.figures(viewer)?)?,
+        Suite::Bars(options) => {
+            if !bars(options)? {
+                return Ok(ExitCode::from(1));
+            }
+        }
+        Suite::Documents(options) => {
+            if !documents(options)? {
+                return Ok(ExitCode::from(1));
+            }
+        }
+        Suite::Faults(options) => faults(options)?,
+        Suite::Soak(options) => soak(options)?,
+        Suite::Relay(options) => relay(options)?,
+        Suite::Subscribers(options) => subscribers(options)?,
+        Suite::Recorder(options) => record_until_killed(options)?,
     }
-    if !options.json {
-        print!("{}", figures_table(&figures));
-    }
-    Ok(made)
+    Ok(ExitCode::SUCCESS)
 }
 
-fn run_haptics(
-    options: &Options,
-    svg: Option<&std::path::Path>,
-    energy_svg: Option<&std::path::Path>,
-) -> anyhow::Result<()> {
-    let drawn = figures(options, |effort, only, out| {
-        haptics::haptics(effort, only, out)
-    })?;
-    if let Some(path) = svg {
-        write(path, haptics::zwidth_picture(&drawn.widths))?;
+/// Peers that are not compared with, because this build has none of them.
+fn say_what_is_left_out() {
+    if let Some(left_out) = LEFT_OUT {
+        eprintln!("{left_out}");
     }
-    if let Some(path) = energy_svg {
-        write(path, haptics::energy_picture(&drawn.traces))?;
-    }
-    all_measured(&drawn.failed)
+}
+
+fn write(path: &Option<std::path::PathBuf>, drawn: impl FnOnce() -> String) -> anyhow::Result<()> {
+    let Some(path) = path else { return Ok(()) };
+    std::fs::write(path, drawn()).with_context(|| format!("cannot write {}", path.display()))
 }
 
 fn all_measured(failed: &[String]) -> anyhow::Result<()> {

@@ -3,11 +3,30 @@
 use std::time::{Duration, Instant};
 
 /// What repeated calls took.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Times {
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Times {
+    /// Median, s.
     pub median_s: f64,
+    /// 99th percentile, s.
     pub p99_s: f64,
+    /// How many.
     pub n: usize,
+}
+
+impl Times {
+    /// `None` if there are none.
+    pub(super) fn of(mut times_s: Vec<f64>) -> Option<Self> {
+        times_s.sort_by(f64::total_cmp);
+        let at = |share: f64| {
+            let last = times_s.len().checked_sub(1)?;
+            times_s.get((last as f64 * share) as usize).copied()
+        };
+        Some(Self {
+            median_s: at(0.5)?,
+            p99_s: at(0.99)?,
+            n: times_s.len(),
+        })
+    }
 }
 
 /// Times each of at most `n` calls, which are numbered; stops early when `patience` is over, for
@@ -21,13 +40,7 @@ pub(super) fn time(n: usize, patience: Duration, mut call: impl FnMut(usize) -> 
             break;
         }
     }
-    times.sort_by(f64::total_cmp);
-    let at = |share: f64| times[((times.len() - 1) as f64 * share) as usize];
-    Times {
-        median_s: at(0.5),
-        p99_s: at(0.99),
-        n: times.len(),
-    }
+    Times::of(times).expect("at least one call is asked for")
 }
 
 /// The time that `work` takes, and its answer.
@@ -51,6 +64,8 @@ mod tests {
 
     #[test]
     fn a_call_without_patience_is_still_timed_once() {
-        assert_eq!(time(10, Duration::ZERO, |_| Duration::from_secs(1)).n, 1);
+        let times = time(10, Duration::ZERO, |_| Duration::from_secs(1));
+        assert_eq!(times.n, 1);
+        assert_eq!(Times::of(Vec::new()), None);
     }
 }

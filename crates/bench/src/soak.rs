@@ -2,6 +2,7 @@
 //! are as late as a bare timer's.
 
 use crate::processes::{Files, Process, connect, free_port};
+use anyhow::Context as _;
 use palpate::drive::pacer::{now_ns, sleep_until};
 use palpate::drive::stats::{Histogram, LATE_NS};
 use std::sync::Arc;
@@ -60,15 +61,14 @@ fn held(pid: u32, begun: Instant) -> anyhow::Result<Held> {
     let number = |name: &str| {
         let line = status.lines().find_map(|line| line.strip_prefix(name));
         let first = line.and_then(|line| line.split_whitespace().next());
-        first
-            .and_then(|first| first.parse::<f64>().ok())
-            .unwrap_or(f64::NAN)
+        let number = first.and_then(|first| first.parse::<f64>().ok());
+        number.with_context(|| format!("/proc/{pid}/status has no number for {name:?}"))
     };
     Ok(Held {
         minutes: begun.elapsed().as_secs_f64() / 60.0,
-        rss_kb: number("VmRSS:"),
+        rss_kb: number("VmRSS:")?,
         fds: std::fs::read_dir(format!("/proc/{pid}/fd"))?.count() as f64,
-        threads: number("Threads:"),
+        threads: number("Threads:")?,
     })
 }
 

@@ -4,7 +4,7 @@ use super::inputs::{breathe, largest_movement, scattered, spread, walk};
 use super::measure::{Times, clocked, time};
 use super::oracle::Oracle;
 use super::peers;
-use super::{Effort, Row};
+use super::{Cases, Effort, Row};
 use palpate_geometry::math::{Point3, Vector3};
 use palpate_geometry::surface::{
     ClosestSolver, ControlNet, GridFit, SampleGrid, Surface, WarmFoot, builtin,
@@ -13,11 +13,11 @@ use std::time::Duration;
 
 const NETS: [usize; 3] = [8, 12, 20];
 
-/// Runs the suite; `only` keeps the cases whose names contain it. Each row is handed out as soon as
+/// Runs cases of the suite. Each row is handed out as soon as
 /// it is measured.
-pub fn surface(effort: Effort, only: Option<&str>, out: &mut dyn FnMut(Row)) {
+pub fn surface(effort: Effort, cases: Cases<'_>, out: &mut dyn FnMut(Row)) {
     let mut suite = Suite { effort, out };
-    let wanted = |case: &str| only.is_none_or(|part| case.contains(part));
+    let wanted = |case: &str| cases.has(case);
     for count in NETS {
         let case = format!("closest/cold/{count}x{count}");
         if wanted(&case) {
@@ -139,17 +139,11 @@ impl Suite<'_> {
         wrong: Option<usize>,
     ) {
         (self.out)(Row {
-            suite: "surface",
-            case: case.to_owned(),
-            method: method.to_owned(),
             peer,
-            median_s: times.median_s,
-            p99_s: times.p99_s,
-            error: error.0,
-            error_unit: error.1,
-            n: times.n,
             wrong,
-            note: String::new(),
+            ..Row::new("surface", case, method)
+                .timed(times)
+                .off_by(error.0, error.1)
         });
     }
 

@@ -7,9 +7,10 @@
 
 mod socket;
 
-use super::Effort;
 use super::figure::{Bar, Figure};
 use super::processes::{Files, Process, connect, free_port};
+use super::{Cases, Effort};
+use anyhow::ensure;
 use palpate_client::Palpate;
 use socket::Socket;
 use std::time::{Duration, Instant};
@@ -33,13 +34,13 @@ const TURN: Duration = Duration::from_secs(3);
 /// After pages came or went.
 const SETTLE: Duration = Duration::from_millis(300);
 
-/// Runs the suite; `only` keeps the cases whose names contain it. Gives the cases that could not be
+/// Runs cases of the suite. Gives the cases that could not be
 /// measured, with the reason.
-pub fn viewer(effort: Effort, only: Option<&str>, out: &mut dyn FnMut(Figure)) -> Vec<String> {
+pub fn viewer(effort: Effort, cases: Cases<'_>, out: &mut dyn FnMut(Figure)) -> Vec<String> {
     let mut failed = Vec::new();
     for pages in [1, 3] {
         let case = format!("pages/{pages}");
-        if only.is_none_or(|part| case.contains(part))
+        if cases.has(&case)
             && let Err(error) = run(&case, pages, effort, out)
         {
             failed.push(format!("{case}: {error:#}"));
@@ -109,6 +110,10 @@ fn run(case: &str, pages: u32, effort: Effort, out: &mut dyn FnMut(Figure)) -> a
         bar,
         note,
     };
+    ensure!(
+        !with.p99_us.is_empty() && !without.p99_us.is_empty(),
+        "the daemon told no times of ticks"
+    );
     let (p99, p99_without) = (with.p99_us(), without.p99_us());
     let rate = with.nets as f64 / with.wall_s / f64::from(pages);
     let megabytes = with.bytes as f64 * 1e-6 / with.wall_s / f64::from(pages);

@@ -17,17 +17,20 @@ pub fn picture(rows: &[Row]) -> String {
     }
     let curve = |method: &&str| {
         let of_method = || rows.iter().filter(|row| row.method == *method);
-        let shown = || of_method().filter(|row| row.median_s.is_finite() && row.error.is_finite());
+        let shown = || {
+            let places = of_method().map(|row| Some((row, row.times?.median_s, row.error?.value)));
+            places.flatten().filter(|(.., error)| error.is_finite())
+        };
         let hollow = of_method().any(|row| row.peer);
         Curve {
             name: format!("{method}{}", if hollow { " (peer)" } else { "" }),
             points: shown()
-                .map(|row| (row.median_s.max(1e-9), row.error.max(LEAST_ERROR_M)))
+                .map(|(_, median_s, error)| (median_s.max(1e-9), error.max(LEAST_ERROR_M)))
                 .collect(),
             lined: false,
             hollow,
             titles: shown()
-                .map(|row| format!("{} {}", row.case, row.method))
+                .map(|(row, ..)| format!("{} {}", row.case, row.method))
                 .collect(),
         }
     };
@@ -43,21 +46,20 @@ pub fn picture(rows: &[Row]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Times;
     use palpate::chart::{FRAME, WIDTH};
 
     fn row(method: &str, peer: bool, median_s: f64, error: f64) -> Row {
-        Row {
-            suite: "contact",
-            case: "point/8x8/cold".to_owned(),
-            method: method.to_owned(),
-            peer,
+        let times = Times {
             median_s,
             p99_s: median_s,
-            error,
-            error_unit: "m",
             n: 1,
-            wrong: None,
-            note: String::new(),
+        };
+        Row {
+            peer,
+            ..Row::new("contact", "point/8x8/cold", method)
+                .timed(times)
+                .off_by(error, "m")
         }
     }
 

@@ -61,8 +61,9 @@ fn pressed(
         Effort::Quick => 100,
         Effort::Full => 500,
     };
-    let force_n = (PRESS..PRESS + held).map(&mut press).last();
-    let force_n = force_n.unwrap_or(f64::NAN);
+    let force_n = (PRESS..PRESS + held)
+        .map(&mut press)
+        .fold(0.0, |_, force_n| force_n);
     world.ticks_s.drain(..PRESS);
     let Some(body) = world.scene.deformable(0) else {
         return failed(case, "it does not deform");
@@ -74,9 +75,9 @@ fn pressed(
         body.compliance_bytes() as f64 * 1e-6,
     );
     let error = (force_n / TEARDROP_REFERENCE_N[2] - 1.0).abs();
-    let row = world.row(case, matrix, error, note);
-    points.push([free as f64, row.median_s]);
-    row
+    let row = world.row(case, matrix, note);
+    points.extend(row.times.map(|times| [free as f64, times.median_s]));
+    row.off_by(error, "of the force")
 }
 
 /// The exponent of times over sizes, by least squares on their logarithms; error: the farthest point's
@@ -86,15 +87,11 @@ fn fitted(case: &str, points: &[[f64; 2]]) -> Row {
     let (exponent, at_one) = line(&logs);
     let off = |[x, y]: &[f64; 2]| (libm::exp(y - at_one - exponent * x) - 1.0).abs();
     let worst = logs.iter().map(off).fold(0.0, f64::max);
-    Row {
-        n: points.len(),
-        error: worst,
-        error_unit: "of the time, off the fit",
-        ..failed(
-            case,
-            &format!("the tick grows with the {exponent:.2}th power of the free nodes"),
-        )
-    }
+    let row = Row::new("deformation", case, "fit").off_by(worst, "of the time, off the fit");
+    row.saying(format!(
+        "the tick grows with the {exponent:.2}th power of the free nodes, of {} sizes",
+        points.len()
+    ))
 }
 
 /// Slope and intercept of the line nearest to points.
@@ -117,6 +114,6 @@ mod tests {
         let points = [100.0, 500.0, 4_000.0].map(|n: f64| [n, 3e-7 * libm::pow(n, 1.4)]);
         let row = fitted("case", &points);
         assert!(row.note.contains("1.40th"), "{}", row.note);
-        assert!(row.error < 1e-9);
+        assert!(row.error_size().is_some_and(|error| error < 1e-9));
     }
 }

@@ -4,6 +4,7 @@ use super::refit::Refit;
 use super::scenes::{BoxCase, TeardropCase};
 use super::world::World;
 use super::{BOX_REFERENCE_N, Effort, Row, TEARDROP_REFERENCE_N};
+use crate::Times;
 use palpate_geometry::math::Point3;
 use palpate_geometry::surface::{ClosestSolver, Surface};
 use std::time::Instant;
@@ -15,8 +16,10 @@ impl World {
         settled(dt_s, effort, || self.at(position).tools[0].force_n.z)
     }
 
-    pub(super) fn row(&self, case: &str, method: &str, error: f64, note: String) -> Row {
-        force_row(case, method, self.ticks_s.clone(), error, note)
+    /// A row of its ticks, without an error.
+    pub(super) fn row(&self, case: &str, method: &str, note: String) -> Row {
+        let row = Row::new("deformation", case, method).saying(note);
+        row.timed(Times::of(self.ticks_s.clone()))
     }
 
     fn counts(&self) -> String {
@@ -71,32 +74,9 @@ fn settled(dt_s: f64, effort: Effort, mut tick: impl FnMut() -> f64) -> Held {
     held
 }
 
-/// A row with a relative error of a force.
-fn force_row(case: &str, method: &str, mut times: Vec<f64>, error: f64, note: String) -> Row {
-    times.sort_by(f64::total_cmp);
-    let at = |share: f64| {
-        times
-            .get((times.len().saturating_sub(1) as f64 * share) as usize)
-            .copied()
-    };
-    Row {
-        suite: "deformation",
-        case: case.to_owned(),
-        method: method.to_owned(),
-        peer: false,
-        median_s: at(0.5).unwrap_or(f64::NAN),
-        p99_s: at(0.99).unwrap_or(f64::NAN),
-        error,
-        error_unit: "of the force",
-        n: times.len(),
-        wrong: None,
-        note,
-    }
-}
-
 /// A row that says why there is none.
 pub(super) fn failed(case: &str, why: &str) -> Row {
-    force_row(case, "none", Vec::new(), f64::NAN, why.to_owned())
+    Row::new("deformation", case, "none").saying(why)
 }
 
 /// 10 mm in 0.1 s, then held.
@@ -130,7 +110,8 @@ pub(super) fn box_row(case: &BoxCase, effort: Effort) -> Row {
         "F/scale {unscaled:.4} N, ripple {ripple:.4} N, base {base:.4} N, {}",
         world.counts()
     );
-    world.row(&case.group, &method, error, note)
+    let row = world.row(&case.group, &method, note);
+    row.off_by(error, "of the force")
 }
 
 /// x of the ball's centre at first touch, coming along -x at the height and side of the table.
@@ -198,7 +179,8 @@ pub(super) fn teardrop_row(case: &TeardropCase, effort: Effort) -> Row {
     });
     let (error, listed) = deviations(&forces);
     let note = format!("{listed}, {}", world.counts());
-    world.row(&case.name, &case.method, error, note)
+    let row = world.row(&case.name, &case.method, note);
+    row.off_by(error, "of the force")
 }
 
 /// The same by the seed's coupling, or with contact at free nodes.
@@ -233,7 +215,8 @@ pub(super) fn refit_row(case: &str, net: Option<[usize; 2]>, effort: Effort) -> 
         energy_j * 1e3,
         work_j * 1e3
     );
-    force_row(case, &method, times, error, note)
+    let row = Row::new("deformation", case, method).timed(Times::of(times));
+    row.off_by(error, "of the force").saying(note)
 }
 
 /// Whole ticks of the main scene while the ball presses, slides and leaves.
@@ -255,5 +238,5 @@ pub(super) fn tick_row(case: &str, model: &'static str, effort: Effort) -> Row {
         world.at([touch - depth, 0.003, along]);
     }
     let note = world.counts();
-    world.row(case, model, f64::NAN, note)
+    world.row(case, model, note)
 }

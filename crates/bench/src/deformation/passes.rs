@@ -31,28 +31,6 @@ fn calls(effort: Effort) -> (usize, Duration) {
     }
 }
 
-fn row(
-    case: &str,
-    method: &str,
-    times: super::super::measure::Times,
-    error: (f64, &'static str),
-    note: String,
-) -> Row {
-    Row {
-        suite: "deformation",
-        case: case.to_owned(),
-        method: method.to_owned(),
-        peer: false,
-        median_s: times.median_s,
-        p99_s: times.p99_s,
-        error: error.0,
-        error_unit: error.1,
-        n: times.n,
-        wrong: None,
-        note,
-    }
-}
-
 /// A cube of 0.1 m, its lowest nodes fixed.
 fn cube(nodes: usize) -> Option<(CubeLattice, Vec<bool>)> {
     let cube =
@@ -106,13 +84,8 @@ fn springs(case: &str, nodes: usize, effort: Effort, out: &mut dyn FnMut(Row)) {
         body.spring_count(),
         times.median_s * 1e9 / body.spring_count() as f64
     );
-    out(row(
-        case,
-        "springs",
-        times,
-        (miss, "of the largest force"),
-        note,
-    ));
+    let row = Row::new("deformation", case, "springs").timed(times);
+    out(row.off_by(miss, "of the largest force").saying(note));
 }
 
 fn continuum(case: &str, nodes: usize, effort: Effort, out: &mut dyn FnMut(Row)) {
@@ -144,7 +117,8 @@ fn continuum(case: &str, nodes: usize, effort: Effort, out: &mut dyn FnMut(Row))
         cube.grid.cells.len(),
         times.median_s * 1e9 / cube.grid.cells.len() as f64
     );
-    out(row(case, "continuum", times, (f64::NAN, "none"), note));
+    let row = Row::new("deformation", case, "continuum");
+    out(row.timed(times).saying(note));
 }
 
 /// Lattices in the teardrop; error: volume of the cells against that of the surface.
@@ -173,13 +147,9 @@ fn builds(effort: Effort, wanted: &dyn Fn(&str) -> bool, out: &mut dyn FnMut(Row
             "least scaled Jacobian {:.3}, edge spread {:.2}, {} folded",
             quality.least_scaled_jacobian, quality.edge_spread, quality.folded_cells
         );
-        out(row(
-            case,
-            method,
-            times,
-            (quality.volume_error(enclosed), "of the volume"),
-            note,
-        ));
+        let row = Row::new("deformation", case, method).timed(times);
+        let error = quality.volume_error(enclosed);
+        out(row.off_by(error, "of the volume").saying(note));
     };
     for nodes in [12, 30] {
         cube(
@@ -228,12 +198,8 @@ fn builds(effort: Effort, wanted: &dyn Fn(&str) -> bool, out: &mut dyn FnMut(Row
             "least scaled Jacobian {:.3} (cells with eight corners), edge spread {:.2}, {} folded",
             quality.least_scaled_jacobian_hexahedra, quality.edge_spread, quality.folded_cells
         );
-        out(row(
-            case,
-            "layers",
-            times,
-            (quality.volume_error(enclosed), "of the volume"),
-            note,
-        ));
+        let row = Row::new("deformation", case, "layers").timed(times);
+        let error = quality.volume_error(enclosed);
+        out(row.off_by(error, "of the volume").saying(note));
     }
 }

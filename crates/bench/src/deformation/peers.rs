@@ -2,6 +2,7 @@
 
 use super::scenes::SCALES;
 use super::{BOX_REFERENCE_N, Effort, Row};
+use crate::Times;
 use crate::peers::python::PYTHON;
 use std::io::Write;
 use std::process::{Command, Stdio};
@@ -155,22 +156,20 @@ fn parsed(said: &str) -> Option<Pressed> {
 fn row(case: &str, scale: f64, pressed: &Pressed) -> Row {
     let unscaled = |force_n: f64| force_n / scale;
     let [least, most] = pressed.range_n.map(unscaled);
-    Row {
-        suite: "deformation",
-        case: case.to_owned(),
-        method: pressed.method.clone(),
-        peer: true,
+    let row = Row::new("deformation", case, &pressed.method).timed(Times {
         median_s: pressed.median_s,
         p99_s: pressed.p99_s,
-        error: unscaled(pressed.force_n) / BOX_REFERENCE_N - 1.0,
-        error_unit: "of the force",
         n: pressed.n,
-        wrong: None,
-        note: format!(
-            "F/scale {:.4} N, {least:.4} to {most:.4} N while held",
-            unscaled(pressed.force_n)
-        ),
+    });
+    let error = unscaled(pressed.force_n) / BOX_REFERENCE_N - 1.0;
+    Row {
+        peer: true,
+        ..row.off_by(error, "of the force")
     }
+    .saying(format!(
+        "F/scale {:.4} N, {least:.4} to {most:.4} N while held",
+        unscaled(pressed.force_n)
+    ))
 }
 
 #[cfg(test)]
@@ -183,7 +182,7 @@ mod tests {
                     \"range_n\": [40.0, 44.0], \"n\": 200}\n";
         let row = row("indent/12/x10", 10.0, &parsed(said).unwrap());
         assert!(
-            (row.error - (4.2 / 5.25 - 1.0)).abs() < 1e-12 && row.peer,
+            (row.error.unwrap().value - (4.2 / 5.25 - 1.0)).abs() < 1e-12 && row.peer,
             "{row:?}"
         );
         assert!(row.note.contains("4.0000 to 4.4000"), "{}", row.note);

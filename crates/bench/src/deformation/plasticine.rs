@@ -93,10 +93,8 @@ fn row(
         sweep.loaded_m * 1e3,
         sweep.kept_m * 1e3
     );
-    let row = Row {
-        error_unit: "of the load",
-        ..world.row(case, "lattice implicit", force / force_n - 1.0, note)
-    };
+    let row = world.row(case, "lattice implicit", note);
+    let row = row.off_by(force / force_n - 1.0, "of the load");
     Ok((row, sweep))
 }
 

@@ -203,20 +203,11 @@ fn poked(case: &str, model: &str, poisson: f64, scale: f64, ticks: usize) -> Res
             .as_ref()
             .map_or(String::new(), |problem| format!("; WRONG: {problem}"))
     );
-    let mut times = world.ticks_s.clone();
-    times.sort_by(f64::total_cmp);
+    let row = world.row(case, &format!("palpate {model}"), note);
+    let excess = excess_j / work_j.max(f64::MIN_POSITIVE);
     Ok(Row {
-        suite: "deformation",
-        case: case.to_owned(),
-        method: format!("palpate {model}"),
-        peer: false,
-        median_s: times[times.len() / 2],
-        p99_s: times[(times.len() - 1) * 99 / 100],
-        error: excess_j / work_j.max(f64::MIN_POSITIVE),
-        error_unit: "of the work, in excess",
-        n: ticks,
         wrong: Some(usize::from(problem.is_some())),
-        note,
+        ..row.off_by(excess, "of the work, in excess")
     })
 }
 
@@ -237,7 +228,10 @@ mod tests {
             assert!(high > 0.05, "{model}: the free part ends at {high} m");
             let row = poked(model, model, poisson, 1.0, QUICK_TICKS).unwrap();
             assert_eq!(row.wrong, Some(0), "{}", row.note);
-            assert!(row.error.abs() < 1e-9, "{}: {}", row.error, row.note);
+            assert!(
+                row.error_size().is_some_and(|error| error < 1e-9),
+                "{row:?}"
+            );
         }
     }
 }

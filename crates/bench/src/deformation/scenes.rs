@@ -252,7 +252,23 @@ impl TeardropCase {
             seed_springs: true,
             ..Self::new(name, "lattice", refine, 4)
         };
-        vec![
+        let mut cases = Vec::new();
+        for (model, layers) in [
+            ("lattice", 3),
+            ("lattice", 4),
+            ("continuum", 3),
+            ("continuum", 4),
+            ("net", 2),
+        ] {
+            let name = format!("indent/teardrop/{model}/auto/{layers}");
+            cases.push(Self::new(&name, model, "\"auto\"", layers));
+            // The others with a focus are below.
+            if layers == 3 {
+                let name = format!("indent/teardrop/{model}/3");
+                cases.push(Self::new(&name, model, WHERE_IT_PRESSES, layers));
+            }
+        }
+        cases.extend([
             Self::new("indent/teardrop/lattice", "lattice", WHERE_IT_PRESSES, 4),
             Self::new("indent/teardrop/lattice/12x13", "lattice", "[12, 13]", 4),
             Self::new("indent/teardrop/lattice/22x23", "lattice", "[22, 23]", 4),
@@ -282,7 +298,8 @@ impl TeardropCase {
             Self::riding("indent/teardrop/riding/13x13", "[13, 13]"),
             seed("indent/teardrop/seed/12x13", "[12, 13]"),
             seed("indent/teardrop/seed/22x23", "[22, 23]"),
-        ]
+        ]);
+        cases
     }
 
     pub(super) fn text(&self, rate_hz: u32) -> String {

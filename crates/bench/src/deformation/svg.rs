@@ -1,6 +1,7 @@
 //! Picture of the suite: time against force error, and against error of the motion.
 
 use super::{Row, motion};
+use crate::Deviation;
 use palpate::chart::{Chart, Curve, Scale, Unit, page_with};
 
 /// Smaller errors are drawn here: a logarithmic axis has no zero.
@@ -13,7 +14,9 @@ pub fn pareto(rows: &[Row]) -> String {
     let of = |units: &[&str]| -> Vec<&Row> {
         rows.iter()
             .filter(|row| {
-                units.contains(&row.error_unit) && row.error.is_finite() && row.median_s > 0.0
+                let drawn =
+                    |error: &Deviation| units.contains(&error.unit) && error.value.is_finite();
+                row.error.as_ref().is_some_and(drawn) && row.times.is_some()
             })
             .collect()
     };
@@ -21,7 +24,7 @@ pub fn pareto(rows: &[Row]) -> String {
     let ours: Vec<(f64, f64)> = shown
         .iter()
         .filter(|row| !row.peer)
-        .map(|&row| place(row))
+        .filter_map(|&row| place(row))
         .collect();
     let mut front: Vec<(f64, f64)> = ours
         .iter()
@@ -49,14 +52,17 @@ pub fn pareto(rows: &[Row]) -> String {
 }
 
 /// Where a row stands.
-fn place(row: &Row) -> (f64, f64) {
-    (row.median_s, row.error.abs().max(LEAST_ERROR))
+fn place(row: &Row) -> Option<(f64, f64)> {
+    Some((row.times?.median_s, row.error_size()?.max(LEAST_ERROR)))
 }
 
 /// Marks of rows, a colour a method.
 fn panel(rows: &[&Row], title: &str, down: &str) -> Chart {
     let mut curves: Vec<Curve> = Vec::new();
     for row in rows {
+        let (Some(at), Some(error)) = (place(row), row.error) else {
+            continue;
+        };
         let k = curves
             .iter()
             .position(|curve| curve.name == row.method)
@@ -71,12 +77,12 @@ fn panel(rows: &[&Row], title: &str, down: &str) -> Chart {
                 });
                 curves.len() - 1
             });
-        curves[k].points.push(place(row));
+        curves[k].points.push(at);
         curves[k].titles.push(format!(
             "{} {}: {:+.1} %",
             row.case,
             row.method,
-            row.error * 100.0
+            error.value * 100.0
         ));
     }
     Chart {
@@ -91,21 +97,20 @@ fn panel(rows: &[&Row], title: &str, down: &str) -> Chart {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Times;
     use palpate::chart::{FRAME, WIDTH};
 
     fn row(method: &str, peer: bool, median_s: f64, error: f64) -> Row {
-        Row {
-            suite: "deformation",
-            case: "indent/12/x1".to_owned(),
-            method: method.to_owned(),
-            peer,
+        let times = Times {
             median_s,
             p99_s: median_s,
-            error,
-            error_unit: "of the force",
             n: 1,
-            wrong: None,
-            note: String::new(),
+        };
+        Row {
+            peer,
+            ..Row::new("deformation", "indent/12/x1", method)
+                .timed(times)
+                .off_by(error, "of the force")
         }
     }
 
@@ -116,11 +121,8 @@ mod tests {
             row("continuum", false, 7e-4, 0.02),
             row("net", false, 9e-4, 0.5),
             row("a <peer>", true, 1e-2, -0.4),
-            row("none", false, f64::NAN, f64::NAN),
-            Row {
-                error_unit: "of the volume",
-                ..row("som", false, 3.0, 1e-3)
-            },
+            Row::new("deformation", "indent/12/x1", "none"),
+            row("som", false, 3.0, 0.0).off_by(1e-3, "of the volume"),
         ];
         let svg = pareto(&rows);
         assert_eq!(
@@ -157,10 +159,7 @@ mod tests {
     }
     #[test]
     fn motion_has_a_panel_of_its_own_below_the_forces() {
-        let moving = Row {
-            error_unit: "of the amplitude",
-            ..row("palpate 1 it", false, 5e-5, 0.005)
-        };
+        let moving = row("palpate 1 it", false, 5e-5, 0.0).off_by(0.005, "of the amplitude");
         let svg = pareto(&[row("lattice", false, 3e-4, -0.15), moving]);
         assert_eq!(svg.matches("<g transform").count(), 2);
         assert!(

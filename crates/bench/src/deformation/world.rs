@@ -1,5 +1,6 @@
 //! A scene that runs, and what is kept of it: times, work of the tools, energy, faults.
 
+use crate::Times;
 use palpate_geometry::math::{Point3, Rotation, Vector3};
 use palpate_geometry::surface::Surface;
 use palpate_sim::body::{Deformable, DeformableState};
@@ -221,11 +222,9 @@ impl World {
         }
     }
 
-    /// Median time of a tick, s.
-    pub(super) fn median_s(&self) -> f64 {
-        let mut times = self.ticks_s.clone();
-        times.sort_by(f64::total_cmp);
-        times.get(times.len() / 2).copied().unwrap_or(f64::NAN)
+    /// Median time of a tick, s; `None` before the first.
+    pub(super) fn median_s(&self) -> Option<f64> {
+        Times::of(self.ticks_s.clone()).map(|times| times.median_s)
     }
 }
 

@@ -22,7 +22,7 @@ pub use svg::{energy_picture, zwidth_picture};
 pub use zwidth::WidthCurve;
 
 use super::figure::{Bar, Figure};
-use super::{Effort, processes};
+use super::{Cases, Effort, processes};
 
 /// What can be drawn of a run.
 #[derive(Debug, Default)]
@@ -35,10 +35,15 @@ pub struct Drawn {
     pub failed: Vec<String>,
 }
 
-/// Runs the suite; `only` keeps the cases whose names contain it. Each figure is handed out as soon
+/// Runs cases of the suite. Each figure is handed out as soon
 /// as it is measured.
-pub fn haptics(effort: Effort, only: Option<&str>, out: &mut dyn FnMut(Figure)) -> Drawn {
-    let wanted = |case: &str| only.is_none_or(|part| case.contains(part));
+pub fn haptics<'a>(
+    effort: Effort,
+    cases: impl Into<Cases<'a>>,
+    out: &mut dyn FnMut(Figure),
+) -> Drawn {
+    let cases = cases.into();
+    let wanted = |case: &str| cases.has(case);
     let mut drawn = Drawn::default();
     zwidth::run(effort, &wanted, out, &mut drawn.widths);
     energy::run(effort, &wanted, out, &mut drawn.traces);
@@ -51,7 +56,7 @@ pub fn haptics(effort: Effort, only: Option<&str>, out: &mut dyn FnMut(Figure)) 
     realtime::run(effort, &wanted, out, &mut drawn.failed);
     devices::run(effort, &wanted, out, &mut drawn.failed);
     // Ten minutes: only when asked for.
-    if only.is_some_and(|part| part.contains("soak")) {
+    if cases.are_chosen() && (wanted("soak/drift") || wanted("soak/growth")) {
         soak::run(effort, out, &mut drawn.failed);
     }
     drawn

@@ -157,6 +157,10 @@ fn hold(seconds: f64) -> anyhow::Result<Vec<Figure>> {
     drop((devices, watched, statuses));
     palpate.close();
     drop(daemon);
+    anyhow::ensure!(
+        (tenths.iter()).all(|part| part[0].count > 0.0 && part[9].count > 0.0),
+        "a tool told no forces"
+    );
     let mut figures = Vec::new();
     for (k, part) in PARTS.iter().enumerate() {
         let (first, last) = (&tenths[k][0], &tenths[k][9]);

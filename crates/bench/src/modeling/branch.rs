@@ -33,27 +33,20 @@ fn generation(case: &str, name: &str, tree: &Tree, effort: Effort, out: &mut dyn
     let (measures, _) = Measures::of(&grown.surface, &grown.patches);
     let n = if effort == Effort::Full { 10_000 } else { 300 };
     let times = time(n, Duration::from_secs(20), |_| clocked(|| grow(tree)).0);
+    let row = Row::new("modeling", case, format!("grow {name}")).timed(times);
     out(Row {
-        suite: "modeling",
-        case: case.to_owned(),
-        method: format!("grow {name}"),
-        peer: false,
-        median_s: times.median_s,
-        p99_s: times.p99_s,
-        error: measures.angle_deg,
-        error_unit: "deg",
-        n: times.n,
         wrong: Some(measures.misses(GOAL_ANGLE_DEG).len()),
-        note: format!(
-            "gap {:.1e} m, least sine {:.3}, Euler number {}, {} folded, {} crossing, coverage {:.3}",
-            measures.gap_m,
-            measures.min_sine,
-            measures.euler,
-            measures.folded,
-            measures.crossings,
-            measures.coverage
-        ),
-    });
+        ..row.off_by(measures.angle_deg, "deg")
+    }
+    .saying(format!(
+        "gap {:.1e} m, least sine {:.3}, Euler number {}, {} folded, {} crossing, coverage {:.3}",
+        measures.gap_m,
+        measures.min_sine,
+        measures.euler,
+        measures.folded,
+        measures.crossings,
+        measures.coverage
+    )));
 }
 
 fn measurement(case: &str, name: &str, tree: &Tree, effort: Effort, out: &mut dyn FnMut(Row)) {
@@ -63,23 +56,12 @@ fn measurement(case: &str, name: &str, tree: &Tree, effort: Effort, out: &mut dy
         clocked(|| Measures::of(&grown.surface, &grown.patches).0).0
     });
     let (measures, _) = Measures::of(&grown.surface, &grown.patches);
-    out(Row {
-        suite: "modeling",
-        case: case.to_owned(),
-        method: format!("measure {name}"),
-        peer: false,
-        median_s: times.median_s,
-        p99_s: times.p99_s,
-        error: measures.gap_m,
-        error_unit: "m",
-        n: times.n,
-        wrong: Some(0),
-        note: format!(
-            "{} joints, {} triangles",
-            measures.joints.len(),
-            measures.triangles
-        ),
-    });
+    let row = Row::new("modeling", case, format!("measure {name}")).timed(times);
+    out(row.off_by(measures.gap_m, "m").saying(format!(
+        "{} joints, {} triangles",
+        measures.joints.len(),
+        measures.triangles
+    )));
 }
 
 /// Trees of the same shape and any proportions within the rules: generation timed, joints measured.
@@ -104,19 +86,14 @@ fn varied(case: &str, name: &str, tree: &Tree, effort: Effort, out: &mut dyn FnM
         (angle_deg, gap) = (angle_deg.max(worst_deg), gap.max(worst_gap));
         elapsed
     });
+    let row = Row::new("modeling", case, format!("grow {name}, varied")).timed(times);
     out(Row {
-        suite: "modeling",
-        case: case.to_owned(),
-        method: format!("grow {name}, varied"),
-        peer: false,
-        median_s: times.median_s,
-        p99_s: times.p99_s,
-        error: angle_deg,
-        error_unit: "deg",
-        n: times.n,
         wrong: Some(wrong),
-        note: format!("gap {gap:.1e} of the size, least sine {least_sine:.3}"),
-    });
+        ..row.off_by(angle_deg, "deg")
+    }
+    .saying(format!(
+        "gap {gap:.1e} of the size, least sine {least_sine:.3}"
+    )));
 }
 
 /// Every fork's height, shifts, tilts, turns and ends changed at random, R4 kept.

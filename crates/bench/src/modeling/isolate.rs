@@ -71,22 +71,14 @@ fn overlap_row(effort: Effort, pair: &GivenPair, [moving, fixed]: &[Body; 2], ca
     let wrong = usize::from(moving.overlaps(&(least * 1.001), fixed))
         + usize::from(!moving.overlaps(&(least * 0.99), fixed));
     Row {
-        suite: "modeling",
-        case,
-        method: pair.name.clone(),
-        peer: false,
-        median_s: tests.median_s,
-        p99_s: tests.p99_s,
-        error: 0.0,
-        error_unit: "",
-        n: tests.n,
         wrong: Some(wrong),
-        note: format!(
-            "one overlap test; the gap takes {:.1} us, at most {:.1}",
-            gaps.median_s * 1e6,
-            gaps.p99_s * 1e6
-        ),
+        ..Row::new("modeling", case, &pair.name).timed(tests)
     }
+    .saying(format!(
+        "one overlap test; the gap takes {:.1} us, at most {:.1}",
+        gaps.median_s * 1e6,
+        gaps.p99_s * 1e6
+    ))
 }
 
 fn method_row(
@@ -115,26 +107,15 @@ fn method_row(
     });
     let (error, note) = answer
         .as_ref()
-        .map_or((f64::NAN, String::new()), |answer| figures(pair, answer));
-    Row {
-        suite: "modeling",
-        case,
-        method: pair.name.clone(),
-        peer: false,
-        median_s: times.median_s,
-        p99_s: times.p99_s,
-        error,
-        error_unit: "of the least length",
-        n: times.n,
-        wrong: None,
-        note,
-    }
+        .map_or((None, String::new()), |answer| figures(pair, answer));
+    let row = Row::new("modeling", case, &pair.name).timed(times);
+    row.off_by(error, "of the least length").saying(note)
 }
 
 /// By how much the length at contact is above the least one known, and the rest in words.
-fn figures(pair: &GivenPair, answer: &Isolated) -> (f64, String) {
+fn figures(pair: &GivenPair, answer: &Isolated) -> (Option<f64>, String) {
     if let IsolateStatus::Failed(reason) = answer.status {
-        return (f64::NAN, format!("no answer: {reason}"));
+        return (None, format!("no answer: {reason}"));
     }
     let ratio = answer.contact_m.norm() / pair.least_m;
     let turn = answer
@@ -144,7 +125,7 @@ fn figures(pair: &GivenPair, answer: &Isolated) -> (f64, String) {
         "ratio {ratio:.4}, turn {turn}, {} steps, {} regions, {} overlap tests",
         answer.steps, answer.regions, answer.overlap_tests
     );
-    (ratio - 1.0, note)
+    (Some(ratio - 1.0), note)
 }
 
 #[cfg(test)]
@@ -165,6 +146,6 @@ mod tests {
             .iter()
             .find(|row| row.case == "isolate/01/global")
             .unwrap();
-        assert!(global.error.abs() < 0.05, "{global:?}");
+        assert!(global.error_size() < Some(0.05), "{global:?}");
     }
 }

@@ -63,30 +63,25 @@ fn random(pairs: usize, out: &mut dyn FnMut(Row)) {
         });
         ratios.sort_by(f64::total_cmp);
         let at = |share: f64| {
-            ratios
-                .get((ratios.len().max(1) - 1) * (share * 100.0) as usize / 100)
-                .copied()
+            let last = ratios.len().checked_sub(1)?;
+            ratios.get(last * (share * 100.0) as usize / 100).copied()
         };
-        out(Row {
-            suite: "modeling",
-            case: "merge/random100".to_owned(),
-            method: format!("constrained C{continuity} from scratch"),
-            peer: false,
-            median_s: times.median_s,
-            p99_s: times.p99_s,
-            error: at(0.5).unwrap_or(f64::NAN),
-            error_unit: "of the seed's standard deviation",
-            n: times.n,
-            wrong: None,
-            note: format!(
-                "median {:.2}, nine of ten below {:.2}, largest {:.2}; {} of {} above a half, {refused} refused",
-                at(0.5).unwrap_or(f64::NAN),
-                at(0.9).unwrap_or(f64::NAN),
-                at(1.0).unwrap_or(f64::NAN),
+        let spread = [at(0.5), at(0.9), at(1.0)].map(|ratio| match ratio {
+            Some(ratio) => format!("{ratio:.2}"),
+            None => "none".to_owned(),
+        });
+        let method = format!("constrained C{continuity} from scratch");
+        let row = Row::new("modeling", "merge/random100", method).timed(times);
+        out(row
+            .off_by(at(0.5), "of the seed's standard deviation")
+            .saying(format!(
+                "median {}, nine of ten below {}, largest {}; {} of {} above a half, {refused} refused",
+                spread[0],
+                spread[1],
+                spread[2],
                 ratios.iter().filter(|&&ratio| ratio > 0.5).count(),
                 ratios.len(),
-            ),
-        });
+            )));
     }
 }
 
@@ -169,18 +164,11 @@ fn rows(name: &str, case: &MergeCase, effort: Effort, out: &mut dyn FnMut(Row)) 
                     Duration::from_secs(if effort == Effort::Full { 10 } else { 1 }),
                     |_| clocked(&mut *work).0,
                 );
+                let of = format!("{label} C{continuity} {way}");
+                let row = Row::new("modeling", name, of).timed(times);
                 out(Row {
-                    suite: "modeling",
-                    case: name.to_owned(),
-                    method: format!("{label} C{continuity} {way}"),
                     peer: method == MergeMethod::Seed,
-                    median_s: times.median_s,
-                    p99_s: times.p99_s,
-                    error: report.deviation.standard_m,
-                    error_unit: "m",
-                    n: times.n,
-                    wrong: None,
-                    note: note.clone(),
+                    ..row.off_by(report.deviation.standard_m, "m").saying(&note)
                 });
             };
             row("planned", &mut || {

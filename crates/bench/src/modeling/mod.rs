@@ -6,12 +6,12 @@ mod isolate;
 mod merge;
 mod pipe;
 
-use super::{Effort, Row};
+use super::{Cases, Effort, Row};
 
-/// Runs the suite; `only` keeps the cases whose names contain it. Each row is handed out as soon as
+/// Runs cases of the suite. Each row is handed out as soon as
 /// it is measured.
-pub fn modeling(effort: Effort, only: Option<&str>, out: &mut dyn FnMut(Row)) {
-    let wanted = |case: &str| only.is_none_or(|part| case.contains(part));
+pub fn modeling(effort: Effort, cases: Cases<'_>, out: &mut dyn FnMut(Row)) {
+    let wanted = |case: &str| cases.has(case);
     merge::merge(effort, &wanted, out);
     isolate::isolate(effort, &wanted, out);
     pipe::pipe(effort, &wanted, out);

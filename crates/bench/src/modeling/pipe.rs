@@ -33,17 +33,11 @@ fn row(
     note: String,
 ) -> Row {
     Row {
-        suite: "modeling",
-        case: case.to_owned(),
-        method: method.to_owned(),
-        peer: false,
-        median_s: times.median_s,
-        p99_s: times.p99_s,
-        error: error.0,
-        error_unit: error.1,
-        n: times.n,
         wrong: Some(wrong),
-        note,
+        ..Row::new("modeling", case, method)
+            .timed(times)
+            .off_by(error.0, error.1)
+            .saying(note)
     }
 }
 

@@ -9,16 +9,16 @@ mod slow;
 mod tick;
 
 use super::figure::{Bar, Figure};
-use super::{Effort, processes};
+use super::{Cases, Effort, processes};
 use palpate::recording::{ReplayOptions, Session, replay_with};
 use processes::Files;
 use session::{RIGID, Simulated, TEARDROP};
 pub use slow::{RecorderOptions, record_until_killed};
 
-/// Runs the suite; `only` keeps the cases whose names contain it. Each figure is handed out as soon
+/// Runs cases of the suite. Each figure is handed out as soon
 /// as it is measured. Gives the cases that could not be measured, with the reason.
-pub fn recording(effort: Effort, only: Option<&str>, out: &mut dyn FnMut(Figure)) -> Vec<String> {
-    let cases: [(&str, Run); 7] = [
+pub fn recording(effort: Effort, cases: Cases<'_>, out: &mut dyn FnMut(Figure)) -> Vec<String> {
+    let all: [(&str, Run); 7] = [
         ("cost/tick", tick::run),
         ("size/teardrop", size),
         ("loss/stall", loss::run),
@@ -28,12 +28,9 @@ pub fn recording(effort: Effort, only: Option<&str>, out: &mut dyn FnMut(Figure)
         ("long", long::run),
     ];
     // The last takes minutes, and a gigabyte on disk: only for those who ask.
-    let wanted = |case: &str| match only {
-        Some(part) => case.contains(part),
-        None => case != "long",
-    };
+    let wanted = |case: &str| cases.has(case) && (cases.are_chosen() || case != "long");
     let mut failed = Vec::new();
-    for (case, run) in cases.into_iter().filter(|(case, _)| wanted(case)) {
+    for (case, run) in all.into_iter().filter(|(case, _)| wanted(case)) {
         if let Err(error) = run(effort, out) {
             failed.push(format!("{case}: {error:#}"));
         }

@@ -224,7 +224,58 @@ pub(super) fn step_us(body: &Deformable) -> f64 {
     }
 }
 
+/// A held body bends by less than this share of its size.
+const BENDS: f64 = 0.5;
+
 impl Scene {
+    /// What a tick in contact is predicted to take, µs: every tool touches the one body that costs most, and
+    /// bodies touch where something brings them together or they stand close.
+    pub fn predicted_tick_us(&self) -> f64 {
+        let mut of_tools = vec![0.0_f64; self.tools.len()];
+        let mut sum_us: f64 = 0.0;
+        for pair in &self.pairs {
+            let query_us = query_us(self, pair);
+            match pair.holder {
+                Holder::Tool(tool) => {
+                    let most_us = &mut of_tools[tool as usize];
+                    *most_us = most_us.max(query_us);
+                }
+                Holder::Body(other) if self.can_meet(other as usize, pair.body) => {
+                    sum_us += query_us
+                }
+                Holder::Body(_) => {}
+            }
+        }
+        for body in &self.bodies {
+            if let BodyModel::Deforming(model) = &body.model {
+                sum_us += step_us(&model.deformable) / f64::from(model.every);
+            }
+        }
+        sum_us + of_tools.iter().sum::<f64>()
+    }
+
+    fn can_meet(&self, a: usize, b: usize) -> bool {
+        let moves =
+            |body: usize| self.bodies[body].mover.is_some() || self.free_mass_kg(body).is_some();
+        if a == b || moves(a) || moves(b) {
+            return true;
+        }
+        let bounds = |body: usize| {
+            let points = self.bodies[body].surface.net().points().iter();
+            let far = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+            points.fold(far, |[low, high], p| {
+                let at = |c: usize| [low[c].min(p[c]), high[c].max(p[c])];
+                [
+                    [at(0)[0], at(1)[0], at(2)[0]],
+                    [at(0)[1], at(1)[1], at(2)[1]],
+                ]
+            })
+        };
+        let ([a_low, a_high], [b_low, b_high]) = (bounds(a), bounds(b));
+        let most_m = BENDS * self.bodies[a].size_m.min(self.bodies[b].size_m);
+        (0..3).all(|c| (a_low[c] - b_high[c]).max(b_low[c] - a_high[c]) < most_m)
+    }
+
     /// The plan this scene compiled to.
     pub fn plan(&self) -> Plan {
         let mut stages = Vec::new();

@@ -11,6 +11,7 @@ mod tests;
 mod touch;
 mod upset;
 
+use crate::Cases;
 use row::Run;
 pub use row::{HardRow, hard_table};
 
@@ -127,11 +128,11 @@ const KNOWN: &[(&str, &str)] = &[
 
 /// Runs the cases whose names, `hard/CASE/MODEL/METHOD`, contain `only`; each row is handed out as
 /// soon as it is there.
-pub fn hard_cases(only: Option<&str>, out: &mut dyn FnMut(HardRow)) {
+pub fn hard_cases(cases: Cases<'_>, out: &mut dyn FnMut(HardRow)) {
     for case in CASES {
         for &kind in case.kinds {
             let name = format!("hard/{}/{}/{}", case.name, kind.model, kind.method);
-            if only.is_none_or(|part| name.contains(part)) {
+            if cases.has(&name) {
                 out(row(name, case, kind));
             }
         }

@@ -50,14 +50,16 @@ pub struct HardRow {
     /// Ticks, those of runs that it is compared with left out.
     pub ticks: usize,
     /// Largest energy beyond what was there at the start and what tools put in, relative to the
-    /// largest that may have been there.
-    pub energy_excess: f64,
+    /// largest that may have been there; `None` for a case that did not run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub energy_excess: Option<f64>,
     /// Forces and places, with what they should be.
     pub checks: Vec<Check>,
     /// Ticks that reported a fault.
     pub faults: usize,
     /// Median time of a tick, s.
-    pub median_s: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub median_s: Option<f64>,
     /// What is wrong, in words; empty if nothing is.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub wrong: Vec<String>,
@@ -70,10 +72,10 @@ impl HardRow {
             suite: "deformation",
             case,
             ticks: 0,
-            energy_excess: f64::NAN,
+            energy_excess: None,
             checks: Vec::new(),
             faults: 0,
-            median_s: f64::NAN,
+            median_s: None,
             wrong: vec![why],
         }
     }
@@ -195,7 +197,7 @@ impl Run {
             suite: "deformation",
             case: String::new(),
             ticks,
-            energy_excess,
+            energy_excess: Some(energy_excess),
             checks,
             faults: world.faults,
             median_s: world.median_s(),
@@ -208,14 +210,20 @@ impl Run {
 pub fn hard_table(rows: &[HardRow]) -> String {
     let mut text = String::new();
     for row in rows {
+        let excess = row
+            .energy_excess
+            .map(|excess| format!("energy excess {excess:>8.1e}  "));
+        let median = row
+            .median_s
+            .map(|median_s| format!("tick p50 {:>8.2} µs  ", median_s * 1e6));
         let _ = writeln!(
             text,
-            "{:<40} {:>6} ticks  energy excess {:>8.1e}  {} faults  tick p50 {:>8.2} µs  {}",
+            "{:<40} {:>6} ticks  {}{} faults  {}{}",
             row.case,
             row.ticks,
-            row.energy_excess,
+            excess.unwrap_or_default(),
             row.faults,
-            row.median_s * 1e6,
+            median.unwrap_or_default(),
             if row.wrong.is_empty() {
                 "right"
             } else {

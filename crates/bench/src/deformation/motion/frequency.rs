@@ -140,7 +140,7 @@ fn measured(case: &str, n: usize, mode: &Mode<'_>, effort: Effort, out: &mut dyn
         match swung(mode, setting, ticks) {
             Ok((path, ticks_s)) => {
                 let hz = frequency_hz(&path, DT_S);
-                let error = hz.map_or(f64::NAN, |hz| hz / right_hz - 1.0);
+                let error = hz.map(|hz| hz / right_hz - 1.0);
                 let own = hz.map_or("no swing".to_owned(), |hz| format!("{hz:.3} Hz"));
                 let note = format!(
                     "mode {n}: {own}, theory {:.3} Hz, backward Euler's {right_hz:.3} Hz, {exact}, \

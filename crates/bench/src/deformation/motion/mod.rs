@@ -15,6 +15,7 @@ mod touching;
 
 use super::world::World;
 use super::{Effort, Row};
+use crate::Times;
 
 /// Units of errors that are errors of a motion.
 pub(super) const UNITS: [&str; 3] = ["of the amplitude", "of the peak force", "of the height"];
@@ -75,37 +76,17 @@ pub(super) fn rows(effort: Effort, wanted: &dyn Fn(&str) -> bool, out: &mut dyn 
 fn row(
     case: &str,
     method: &str,
-    mut ticks_s: Vec<f64>,
-    (error, error_unit): (f64, &'static str),
+    ticks_s: Vec<f64>,
+    (error, unit): (impl Into<Option<f64>>, &'static str),
     note: String,
 ) -> Row {
-    ticks_s.sort_by(f64::total_cmp);
-    let last = ticks_s.len().saturating_sub(1) as f64;
-    let at = |share: f64| ticks_s.get((last * share) as usize).copied();
-    Row {
-        suite: "deformation",
-        case: case.to_owned(),
-        method: method.to_owned(),
-        peer: false,
-        median_s: at(0.5).unwrap_or(f64::NAN),
-        p99_s: at(0.99).unwrap_or(f64::NAN),
-        error,
-        error_unit,
-        n: ticks_s.len(),
-        wrong: None,
-        note,
-    }
+    let row = Row::new("deformation", case, method).timed(Times::of(ticks_s));
+    row.off_by(error, unit).saying(note)
 }
 
 /// A row that says why there is none.
 fn failed(case: &str, method: &str, why: &str) -> Row {
-    row(
-        case,
-        method,
-        Vec::new(),
-        (f64::NAN, UNITS[0]),
-        why.to_owned(),
-    )
+    Row::new("deformation", case, method).saying(why)
 }
 
 #[cfg(test)]
@@ -127,7 +108,7 @@ mod tests {
         let error = |method: &str| {
             rows.iter()
                 .find(|row| row.method == method)
-                .map(|row| row.error)
+                .and_then(Row::error_size)
         };
         assert!(
             error("palpate 1 it").is_some_and(|error| error < 0.02),
@@ -151,7 +132,7 @@ mod tests {
         // Mode 3 with three iterations: half a per cent is the dispersion of twenty cells.
         let converged = rows.iter().filter(|row| row.method == "palpate 3 it");
         assert!(
-            converged.clone().all(|row| row.error.abs() < 0.015),
+            converged.clone().all(|row| row.error_size() < Some(0.015)),
             "{third:?}"
         );
     }
@@ -167,7 +148,10 @@ mod tests {
             let rows = measured(only);
             let converged = usize::from(only != "motion/spin/lattice");
             assert_eq!(rows.len(), SETTINGS.len() + converged, "{only}: {rows:?}");
-            assert!(rows.iter().all(|row| row.n > 0), "{only}: {rows:?}");
+            assert!(
+                rows.iter().all(|row| row.times.is_some()),
+                "{only}: {rows:?}"
+            );
         }
     }
 }

@@ -80,12 +80,12 @@ fn speed(
             }
         };
         let note = format!(
-            "peak {:.4} N, {:.3} of the exact step's, path off by at most {:.1} % of it, at the end {:+.1} %, \
+            "peak {:.4} N, {:.3} of the exact step's, path off by at most {:.1} % of it, at the end {}, \
              {} iterations, matrix {}{}",
             most(&forces),
             most(&forces) / peak,
             largest(&forces, &exact, peak) * 100.0,
-            end(&forces, &exact) * 100.0,
+            end(&forces, &exact).map_or("none".to_owned(), |end| format!("{:+.1} %", end * 100.0)),
             setting.iterations,
             setting.matrix,
             std::mem::take(&mut about),
@@ -105,9 +105,8 @@ fn most(forces: &[f64]) -> f64 {
 }
 
 /// By how much the last force is more than the exact one, of it.
-fn end(forces: &[f64], exact: &[f64]) -> f64 {
-    let last = forces.last().zip(exact.last());
-    last.map_or(f64::NAN, |(force, exact)| force / exact - 1.0)
+fn end(forces: &[f64], exact: &[f64]) -> Option<f64> {
+    Some(forces.last()? / exact.last()? - 1.0)
 }
 
 /// Places of the ball's centre along x, m, tick by tick.

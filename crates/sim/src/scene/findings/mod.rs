@@ -134,7 +134,7 @@ impl Scene {
     }
 
     /// Mass of a body that nothing holds, kg; `None` of others.
-    fn free_mass_kg(&self, body: usize) -> Option<f64> {
+    pub(super) fn free_mass_kg(&self, body: usize) -> Option<f64> {
         self.mass(body)
             .filter(|(_, free)| *free)
             .map(|(mass_kg, _)| mass_kg)
