@@ -93,54 +93,122 @@ impl LoopMetrics {
         };
         let counts = [
             ("loop_ticks", "Ticks run", status.tick),
-            ("loop_late_ticks", "Ticks that began more than 100 us late", status.late_ticks),
-            ("loop_skipped_ticks", "Deadlines dropped", status.skipped_ticks),
+            (
+                "loop_late_ticks",
+                "Ticks that began more than 100 us late",
+                status.late_ticks,
+            ),
+            (
+                "loop_skipped_ticks",
+                "Deadlines dropped",
+                status.skipped_ticks,
+            ),
             (
                 "loop_forces_overtaken",
                 "Ticks whose forces were not sent because newer ones were there",
                 self.overtaken,
             ),
-            ("bus_drops", "Records that the bus did not take in time", self.bus_drops),
+            (
+                "bus_drops",
+                "Records that the bus did not take in time",
+                self.bus_drops,
+            ),
             ("events", "Events published", self.events),
-            ("recorder_drops", "Records lost by the recorder", status.recorder_drops),
+            (
+                "recorder_drops",
+                "Records lost by the recorder",
+                status.recorder_drops,
+            ),
         ];
         for (name, help, value) in counts {
             out.family(name, help, "", COUNTER, one(value));
         }
         let help = "Bytes written by the recorder";
-        out.family("recorder_written", help, "bytes", COUNTER, one(status.recorder_bytes));
+        out.family(
+            "recorder_written",
+            help,
+            "bytes",
+            COUNTER,
+            one(status.recorder_bytes),
+        );
         let gauges = [
             ("loop_state", "0 running, 1 paused, 2 stopping", state),
-            ("loop_quality", "Level of quality, 0 is full", status.quality_level.into()),
-            ("recorder_state", "0 off, 1 recording, 2 ring, 3 failed", status.recorder as u64),
+            (
+                "loop_quality",
+                "Level of quality, 0 is full",
+                status.quality_level.into(),
+            ),
+            (
+                "recorder_state",
+                "0 off, 1 recording, 2 ring, 3 failed",
+                status.recorder as u64,
+            ),
         ];
         for (name, help, value) in gauges {
             out.family(name, help, "", GAUGE, one(value));
         }
-        out.family("loop_rate", "Nominal rate", "hertz", GAUGE, [(NONE, status.rate_hz)]);
+        out.family(
+            "loop_rate",
+            "Nominal rate",
+            "hertz",
+            GAUGE,
+            [(NONE, status.rate_hz)],
+        );
         let help = "Ticks a second by the clock; below half the nominal rate forces fade";
-        out.family("loop_measured_rate", help, "hertz", GAUGE, [(NONE, self.measured_hz)]);
+        out.family(
+            "loop_measured_rate",
+            help,
+            "hertz",
+            GAUGE,
+            [(NONE, self.measured_hz)],
+        );
         let help = "Time between tick starts over the last status period";
-        out.family("loop_period", help, "seconds", GAUGE, quantiles(&status.period));
+        out.family(
+            "loop_period",
+            help,
+            "seconds",
+            GAUGE,
+            quantiles(&status.period),
+        );
         let help = "Time in a tick over the last status period";
         out.family("loop_step", help, "seconds", GAUGE, quantiles(&status.step));
         let stages = CAUSES.iter().zip(self.overruns);
         let overruns = stages.map(|(stage, value)| ([("stage", *stage)], value));
-        out.family("loop_overruns", "Ticks longer than their period", "", COUNTER, overruns);
+        out.family(
+            "loop_overruns",
+            "Ticks longer than their period",
+            "",
+            COUNTER,
+            overruns,
+        );
     }
 
     fn write_tools(&self, out: &mut Exposition) {
         type Read = fn(&LoopMetrics, usize, &ToolLink) -> u64;
         let counters: [(&str, &str, Read); 8] = [
-            ("tool_poses_received", "Poses taken", |_, _, tool| tool.received),
+            ("tool_poses_received", "Poses taken", |_, _, tool| {
+                tool.received
+            }),
             (
                 "tool_poses_superseded",
                 "Poses that a newer one replaced before a tick used them",
                 |_, _, tool| tool.superseded,
             ),
-            ("tool_poses_jumped", "Poses that the loop refused as a jump", |_, _, tool| tool.jumps),
-            ("tool_stale_ticks", "Ticks whose newest pose was stale", |_, _, tool| tool.stale_ticks),
-            ("tool_forces_published", "Forces sent to devices", |_, _, tool| tool.forces_sent),
+            (
+                "tool_poses_jumped",
+                "Poses that the loop refused as a jump",
+                |_, _, tool| tool.jumps,
+            ),
+            (
+                "tool_stale_ticks",
+                "Ticks whose newest pose was stale",
+                |_, _, tool| tool.stale_ticks,
+            ),
+            (
+                "tool_forces_published",
+                "Forces sent to devices",
+                |_, _, tool| tool.forces_sent,
+            ),
             (
                 "tool_poses_of_strangers",
                 "Poses of clients that did not hold the tool",
@@ -165,13 +233,29 @@ impl LoopMetrics {
         }
         let refused = tools.iter().flat_map(|tool| {
             let labels = |cause| [("tool", &*tool.tool), ("cause", cause)];
-            tool.refused().map(move |(cause, value)| (labels(cause), value))
+            tool.refused()
+                .map(move |(cause, value)| (labels(cause), value))
         });
-        out.family("tool_poses_refused", "Poses dropped before the loop", "", COUNTER, refused);
-        let energy = tools.iter().map(|tool| ([("tool", &*tool.tool)], tool.energy_j));
-        out.family("tool_energy", "Net work of the hand", "joules", GAUGE, energy);
+        out.family(
+            "tool_poses_refused",
+            "Poses dropped before the loop",
+            "",
+            COUNTER,
+            refused,
+        );
+        let energy = tools
+            .iter()
+            .map(|tool| ([("tool", &*tool.tool)], tool.energy_j));
+        out.family(
+            "tool_energy",
+            "Net work of the hand",
+            "joules",
+            GAUGE,
+            energy,
+        );
         let adapters = self.adapters.iter();
-        let adapters = adapters.map(|(tool, what, n)| ([("tool", &**tool), ("outcome", *what)], *n));
+        let adapters =
+            adapters.map(|(tool, what, n)| ([("tool", &**tool), ("outcome", *what)], *n));
         let help = "Poses of ROS 2 drivers, by what became of them";
         out.family("ros2_poses", help, "", COUNTER, adapters);
     }
@@ -192,12 +276,20 @@ impl LoopMetrics {
         let help = "Forces that reached it, as it says";
         out.family("client_forces_received", help, "", COUNTER, received);
         let ages = clients().flat_map(|(tool, counts)| {
-            QUANTILES.into_iter().zip(counts.age_ns).map(move |(quantile, ns)| {
-                let labels = [("tool", tool), ("client", &*counts.client), ("quantile", quantile)];
-                (labels, ns as f64 * 1e-9)
-            })
+            QUANTILES
+                .into_iter()
+                .zip(counts.age_ns)
+                .map(move |(quantile, ns)| {
+                    let labels = [
+                        ("tool", tool),
+                        ("client", &*counts.client),
+                        ("quantile", quantile),
+                    ];
+                    (labels, ns as f64 * 1e-9)
+                })
         });
-        let help = "Age of the newest force that a client had when it sent a pose, as that pose arrived";
+        let help =
+            "Age of the newest force that a client had when it sent a pose, as that pose arrived";
         out.family("client_force_age", help, "seconds", GAUGE, ages);
     }
 }
@@ -207,7 +299,10 @@ const QUANTILES: [&str; 3] = ["0.5", "0.99", "1"];
 
 fn quantiles(values: &Quantiles) -> impl Iterator<Item = ([(&'static str, &'static str); 1], f64)> {
     let values = [values.p50_ns, values.p99_ns, values.max_ns].map(|ns| ns as f64 * 1e-9);
-    QUANTILES.into_iter().zip(values).map(|(quantile, s)| ([("quantile", quantile)], s))
+    QUANTILES
+        .into_iter()
+        .zip(values)
+        .map(|(quantile, s)| ([("quantile", quantile)], s))
 }
 
 /// The count of a tool; 0 for one that nothing was counted of yet.
@@ -248,7 +343,11 @@ impl Exposition {
             out.push_str(ending);
             for (l, (key, text)) in labels.iter().enumerate() {
                 let open = if l == 0 { '{' } else { ',' };
-                let text = text.as_ref().replace('\\', r"\\").replace('"', "\\\"").replace('\n', r"\n");
+                let text = text
+                    .as_ref()
+                    .replace('\\', r"\\")
+                    .replace('"', "\\\"")
+                    .replace('\n', r"\n");
                 let _ = write!(out, "{open}{key}=\"{text}\"");
             }
             out.push_str(if N == 0 { "" } else { "}" });

@@ -4,9 +4,9 @@
 use anyhow::Context;
 use clap::Parser;
 use palpate_bench::{
-    BarOptions, Cases, DocumentOptions, Effort, FaultOptions, Figure, HardRow, LEFT_OUT, RecorderOptions,
-    RelayOptions, Row, SoakOptions, SubscriberOptions, bars, contact, deformation, documents,
-    faults, figures_table, haptics, hard_cases, hard_table, modeling, pareto, picture,
+    BarOptions, Cases, DocumentOptions, Effort, FaultOptions, Figure, HardRow, LEFT_OUT,
+    RecorderOptions, RelayOptions, Row, SoakOptions, SubscriberOptions, bars, contact, deformation,
+    documents, faults, figures_table, haptics, hard_cases, hard_table, modeling, pareto, picture,
     plasticine_picture, plasticine_table, record_until_killed, recording, relay, soak, subscribers,
     surface, table, viewer,
 };

@@ -50,7 +50,9 @@ pub(super) fn quietly<T>(work: impl FnOnce() -> T) -> T {
 pub const LEFT_OUT: Option<&str> = if cfg!(feature = "peers") {
     None
 } else {
-    Some("curvo, rapier3d and truck are not in this build; to compare with them, add --features peers")
+    Some(
+        "curvo, rapier3d and truck are not in this build; to compare with them, add --features peers",
+    )
 };
 
 /// All that this build has, with one surface.
