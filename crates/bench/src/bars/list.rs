@@ -126,7 +126,6 @@ const ROWS: &[Promise] = &[
     most(Suite::Deformation, "motion/ringdown/lattice/2e6", THREE, Error, 0.002),
     most(Suite::Deformation, "motion/frequency/bar/continuum/1", ONE, Error, 0.02),
     most(Suite::Deformation, "motion/press/lattice/0.25/50mm_s", ONE, Error, 0.05),
-    most(Suite::Deformation, "motion/press/continuum/0.3/50mm_s", ONE, Error, 0.05),
     most(Suite::Deformation, "motion/spin/continuum", ONE, Error, 0.01),
     long(most(Suite::Deformation, "motion/ringdown/*", ONE, Error, 0.02)),
     long(most(Suite::Deformation, "motion/frequency/*", ONE, Error, 0.02)),
