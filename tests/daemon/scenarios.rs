@@ -79,25 +79,31 @@ fn every_scenario_is_listed_and_reads() {
     assert!(code == 2 && err.contains("has no run \"fastest\""), "{err}");
 }
 
-// A tenth of a second each: every scene of every run builds, every hand and measure finds its names.
+// A twentieth of a second each: every scene of every run builds, every hand and measure finds its names.
 #[test]
 fn every_first_run_begins() {
-    for name in NAMES {
-        let scenario = Scenario::load(name).unwrap();
-        let first = scenario.spec.runs[0].name.clone();
-        let settings = Settings {
-            only: vec![first],
-            most_s: Some(0.05),
-            ..Settings::default()
-        };
-        // Modeling steps are tested by themselves.
-        if scenario.spec.runs[0].merge.is_some() || scenario.spec.runs[0].isolate.is_some() {
-            continue;
+    std::thread::scope(|scope| {
+        for names in NAMES.chunks(NAMES.len().div_ceil(2)) {
+            scope.spawn(move || names.iter().for_each(|name| first_run_begins(name)));
         }
-        let report = scenario.run(&settings, |_| {});
-        let report = report.unwrap_or_else(|e| panic!("{name}: {e}"));
-        assert!(report.text().contains("run"), "{}", report.text());
+    });
+}
+
+fn first_run_begins(name: &str) {
+    let scenario = Scenario::load(name).unwrap();
+    let first = &scenario.spec.runs[0];
+    // Modeling steps are tested by themselves.
+    if first.merge.is_some() || first.isolate.is_some() {
+        return;
     }
+    let settings = Settings {
+        only: vec![first.name.clone()],
+        most_s: Some(0.05),
+        ..Settings::default()
+    };
+    let report = scenario.run(&settings, |_| {});
+    let report = report.unwrap_or_else(|e| panic!("{name}: {e}"));
+    assert!(report.text().contains("run"), "{}", report.text());
 }
 
 const PLATE: &str = r#"

@@ -195,7 +195,10 @@ fn beset(port: u16, kind: &Kind, probe: impl FnOnce()) {
 
 /// Health answers in time: two of three tries may fall to a machine that does other things.
 fn is_healthy(port: u16, path: &str, kind: &Kind) {
-    let told = (0..3).any(|_| ask(port, path, PROBE) == Ok(200));
+    let told = (0..3).any(|tried| {
+        std::thread::sleep(Duration::from_millis(100 * tried));
+        ask(port, path, PROBE) == Ok(200)
+    });
     assert!(told, "{}: {path}", kind.name);
 }
 
