@@ -20,7 +20,7 @@ pub struct MessageType {
     /// Its fields.
     pub layout: &'static Struct,
     /// The layout as crate `postcard-schema` describes it.
-    #[cfg(feature = "schema")]
+    #[cfg(test)]
     pub schema: &'static postcard_schema::schema::NamedType,
     pub(crate) to_json: fn(&[u8]) -> Result<Value, DecodeError>,
 }
@@ -223,7 +223,7 @@ macro_rules! messages {
                     $crate::layout::Shape::Struct(layout) => layout,
                     _ => unreachable!(),
                 },
-                #[cfg(feature = "schema")]
+                #[cfg(test)]
                 schema: <Self as postcard_schema::Schema>::SCHEMA,
                 to_json: $crate::any::decode_to_json::<Self>,
             };
@@ -253,7 +253,7 @@ macro_rules! messages {
     ) => {
         $(#[doc = $doc])*
         #[derive(Clone, Debug, PartialEq, Serialize, Deserialize $(, $first $(, $derive)*)?)]
-        #[cfg_attr(feature = "schema", derive(postcard_schema::Schema))]
+        #[cfg_attr(test, derive(postcard_schema::Schema))]
         pub enum $name { $(
             $(#[doc = $case_doc])*
             $case $({ $( $(#[doc = $field_doc])* $field: $type, )* })?,
@@ -321,7 +321,7 @@ macro_rules! structure {
     )* }) => {
         $(#[doc = $doc])*
         #[derive(Clone, Debug, PartialEq, Serialize, Deserialize $(, $derive)*)]
-        #[cfg_attr(feature = "schema", derive(postcard_schema::Schema))]
+        #[cfg_attr(test, derive(postcard_schema::Schema))]
         pub struct $name { $( $(#[doc = $field_doc])* pub $field: $type, )* }
         impl $crate::layout::Described for $name {
             const SHAPE: $crate::layout::Shape =

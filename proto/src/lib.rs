@@ -2,9 +2,9 @@
 //!
 //! [`messages`] are the bus messages, [`codec`] their bytes, [`keys`] where they travel, [`rpc`]
 //! the JSON of commands; with the `recording` feature, `recording` holds the Protobuf messages of
-//! MCAP files and `foxglove` those that common viewers know; with `schema`, `schema` holds the
-//! layouts of the bus messages; [`text`] makes words of others fit to be shown. `docs/wire.md` of the project gives them for people who write a
-//! client without this crate.
+//! MCAP files and `foxglove` those that common viewers know; [`schema`] holds the layouts of the bus
+//! messages; [`text`] makes words of others fit to be shown. `docs/wire.md` of the project gives them
+//! for people who write a client without this crate.
 
 pub mod any;
 pub mod codec;
@@ -18,7 +18,6 @@ pub mod messages;
 #[cfg(feature = "recording")]
 pub mod recording;
 pub mod rpc;
-#[cfg(feature = "schema")]
 pub mod schema;
 pub mod text;
 pub mod watchdog;

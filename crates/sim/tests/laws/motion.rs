@@ -621,50 +621,69 @@ fn largest_change(model: &str, refine: &str, direction: usize) -> f64 {
 
 // 1 % is what a hand does not feel as a step. Where the net is finest, a bulge ahead of the ball comes
 // to be pressed in one tick, which makes up to 3.5 %: no step of the contact's own, but above the bar.
-#[test]
-fn the_force_on_a_ball_that_slides_over_a_soft_body_does_not_jump() {
-    for model in ["lattice", "continuum", "net"] {
-        for (refine, most) in [("\"auto\"", 0.01), (FOCUS, 0.04)] {
-            for direction in [0, 1] {
-                let worst = largest_change(model, refine, direction);
-                assert!(worst < most, "{model}, {refine} in {direction}: {worst}");
-            }
+fn slides_without_a_jump(model: &str) {
+    for (refine, most) in [("\"auto\"", 0.01), (FOCUS, 0.04)] {
+        for direction in [0, 1] {
+            let worst = largest_change(model, refine, direction);
+            assert!(worst < most, "{model}, {refine} in {direction}: {worst}");
         }
     }
 }
 
-// The cone stands in the body with its tip, which has no normal: the body's is taken.
 #[test]
-fn a_cone_deep_in_a_soft_body_is_held_without_a_tremble() {
-    for model in ["lattice", "continuum"] {
-        let mut world = soft_drop(
-            model,
-            FOCUS,
-            "{ cone = { half_angle_rad = 0.3, height_m = 0.02 } }",
-        );
-        let turned = |x: f64| DevicePose {
-            orientation: Rotation::from_axis_angle(&Vector3::y_axis(), PI / 2.0),
-            ..pose(0, [x, 0.003, 0.045])
-        };
-        let (mut x, mut last, mut worst): (f64, f64, f64) = (0.02, 0.0, 0.0);
-        let (mut low, mut high): (f64, f64) = (f64::INFINITY, 0.0);
-        for k in 0..3_000 {
-            x = (x - 2e-5).max(0.0094);
-            let force = world.posed_in_place(turned(x)).tools[0].force_n.norm();
-            if force > 0.1 {
-                worst = worst.max((force - last).abs());
-            }
-            if k >= 2_500 {
-                (low, high) = (low.min(force), high.max(force));
-            }
-            last = force;
+fn the_force_on_a_ball_that_slides_over_a_lattice_does_not_jump() {
+    slides_without_a_jump("lattice");
+}
+
+#[test]
+fn the_force_on_a_ball_that_slides_over_a_continuum_does_not_jump() {
+    slides_without_a_jump("continuum");
+}
+
+#[test]
+fn the_force_on_a_ball_that_slides_over_a_net_does_not_jump() {
+    slides_without_a_jump("net");
+}
+
+#[test]
+fn a_cone_deep_in_a_lattice_is_held_without_a_tremble() {
+    held_without_a_tremble("lattice");
+}
+
+#[test]
+fn a_cone_deep_in_a_continuum_is_held_without_a_tremble() {
+    held_without_a_tremble("continuum");
+}
+
+// The cone stands in the body with its tip, which has no normal: the body's is taken.
+fn held_without_a_tremble(model: &str) {
+    let mut world = soft_drop(
+        model,
+        FOCUS,
+        "{ cone = { half_angle_rad = 0.3, height_m = 0.02 } }",
+    );
+    let turned = |x: f64| DevicePose {
+        orientation: Rotation::from_axis_angle(&Vector3::y_axis(), PI / 2.0),
+        ..pose(0, [x, 0.003, 0.045])
+    };
+    let (mut x, mut last, mut worst): (f64, f64, f64) = (0.02, 0.0, 0.0);
+    let (mut low, mut high): (f64, f64) = (f64::INFINITY, 0.0);
+    for k in 0..1_500 {
+        x = (x - 2e-5).max(0.0094);
+        let force = world.posed_in_place(turned(x)).tools[0].force_n.norm();
+        if force > 0.1 {
+            worst = worst.max((force - last).abs());
         }
-        println!("{model}: {low} to {high} N held, largest step {worst} N");
-        assert!(high - low < 0.01 * high, "{model}: {low} to {high} N");
-        // To stop in one tick, as the cone does at the end of its way, costs 20 um over the compliance
-        // of the surface in one tick, about 0.5 mm/N.
-        assert!(worst < 0.04, "{model}: {worst} N in one tick");
+        if k >= 1_200 {
+            (low, high) = (low.min(force), high.max(force));
+        }
+        last = force;
     }
+    println!("{model}: {low} to {high} N held, largest step {worst} N");
+    assert!(high - low < 0.01 * high, "{model}: {low} to {high} N");
+    // To stop in one tick, as the cone does at the end of its way, costs 20 um over the compliance
+    // of the surface in one tick, about 0.5 mm/N.
+    assert!(worst < 0.04, "{model}: {worst} N in one tick");
 }
 
 #[test]

@@ -137,21 +137,11 @@ mod tests {
         );
     }
 
+    // Bounces, jelly and presses run for a minute: `palpate-bench bars` runs them.
     #[test]
-    fn every_kind_of_motion_gives_rows_without_a_refusal() {
-        for only in [
-            "motion/bounce",
-            "motion/jelly/bowl",
-            "motion/spin/lattice",
-            "motion/press/lattice/0.25/200mm_s",
-        ] {
-            let rows = measured(only);
-            let converged = usize::from(only != "motion/spin/lattice");
-            assert_eq!(rows.len(), SETTINGS.len() + converged, "{only}: {rows:?}");
-            assert!(
-                rows.iter().all(|row| row.times.is_some()),
-                "{only}: {rows:?}"
-            );
-        }
+    fn a_spin_gives_a_row_for_each_setting_without_a_refusal() {
+        let rows = measured("motion/spin/lattice");
+        assert_eq!(rows.len(), SETTINGS.len(), "{rows:?}");
+        assert!(rows.iter().all(|row| row.times.is_some()), "{rows:?}");
     }
 }
