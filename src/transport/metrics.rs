@@ -334,7 +334,7 @@ impl Exposition {
         let name = format!("palpate_{name}{join}{unit}");
         let out = &mut self.0;
         // Writing into a string does not fail.
-        let _ = writeln!(out, "# HELP {name} {help}.\n# TYPE {name} {kind}");
+        let _ = writeln!(out, "# HELP {name} {help}\n# TYPE {name} {kind}");
         if !unit.is_empty() {
             let _ = writeln!(out, "# UNIT {name} {unit}");
         }
