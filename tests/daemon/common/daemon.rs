@@ -2,7 +2,7 @@
 #![allow(dead_code)]
 
 use palpate_client::{Connect, Palpate};
-use std::net::TcpListener;
+use std::net::TcpStream;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -17,7 +17,8 @@ pub fn free_port() -> u16 {
     loop {
         let number = std::process::id() % 1000 * 251 + NEXT.fetch_add(1, Ordering::Relaxed);
         let port = 12_000 + (number % 20_000) as u16;
-        if TcpListener::bind(("127.0.0.1", port)).is_ok() {
+        // Not by listening: a process that is started meanwhile would hold the port for a moment.
+        if TcpStream::connect(("127.0.0.1", port)).is_err() {
             return port;
         }
     }
@@ -58,7 +59,7 @@ impl Daemon {
             .spawn()
             .unwrap();
         let started = Instant::now();
-        while std::net::TcpStream::connect(("127.0.0.1", port)).is_err() {
+        while TcpStream::connect(("127.0.0.1", port)).is_err() {
             assert!(
                 started.elapsed() < Duration::from_secs(60),
                 "nobody listens"
