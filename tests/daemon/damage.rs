@@ -1,6 +1,7 @@
 //! Damage of recordings, in process: it is told, losses are counted, and what is left is used.
 
-use crate::live::{Live, RIGID, SOFT, bits, record};
+use crate::live::{Live, SOFT, bits, record};
+use crate::scenes::RIGID;
 use mcap::records::{MessageHeader, Record};
 use palpate::drive::journal::Journal;
 use palpate::recording::{

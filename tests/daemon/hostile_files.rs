@@ -1,7 +1,8 @@
 //! Recordings that somebody made to do harm, and what changes without a checksum of MCAP's.
 
 use crate::daemon::PROGRAM;
-use crate::live::{RIGID, record};
+use crate::live::record;
+use crate::scenes::RIGID;
 use mcap::records::MessageHeader;
 use palpate::recording::{ReadError, Session};
 use std::collections::BTreeMap;

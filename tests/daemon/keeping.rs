@@ -1,7 +1,8 @@
 //! What is kept of a session, and where: recordings on demand, the last seconds, parts, budgets,
 //! and disks that fail.
 
-use crate::live::{Live, RIGID, SOFT, bits};
+use crate::live::{Live, SOFT, bits};
+use crate::scenes::RIGID;
 use palpate::drive::archive::{Archive, ArchiveNews, ArchiveRequest};
 use palpate::drive::journal::keeping;
 use palpate::recording::{

@@ -2,7 +2,8 @@
 //! hold a key, and a name may hold what a terminal obeys.
 
 use crate::daemon::PROGRAM;
-use crate::live::{RIGID, record};
+use crate::live::record;
+use crate::scenes::RIGID;
 use std::path::Path;
 use std::process::{Command, Stdio};
 

@@ -1,7 +1,8 @@
 //! Recordings, in process: what goes in comes out, and a replay is exact.
 
 use crate::common::pose;
-use crate::live::{RIGID, SOFT, bits, in_contact, record};
+use crate::live::{SOFT, bits, in_contact, record};
+use crate::scenes::RIGID;
 use palpate::drive::journal::Journal;
 use palpate::drive::nets::NetPool;
 use palpate::recording::{Contents, Origin, Recorder, RecorderSettings, Session, info, replay};

@@ -2,7 +2,8 @@
 //! says.
 
 use crate::keeping::{answer, answers, holds, news, parts, ticks};
-use crate::live::{Live, RIGID, SOFT};
+use crate::live::{Live, SOFT};
+use crate::scenes::RIGID;
 use palpate::drive::archive::{Archive, ArchiveNews, ArchiveRequest};
 use palpate::drive::journal::{Journal as _, keeping};
 use palpate::recording::{

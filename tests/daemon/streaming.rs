@@ -1,7 +1,8 @@
 //! Recordings read as a stream: from any tick on, by an index that is believed only as far as it is
 //! true, with the figures that the recorder left and those computed from the ticks alike.
 
-use crate::live::{RIGID, SOFT, bits, record};
+use crate::live::{SOFT, bits, record};
+use crate::scenes::RIGID;
 use mcap::records::op;
 use palpate::recording::{
     Contents, Follower, Happening, Info, Origin, Session, Topic, computed_info, info, recover,

@@ -1,7 +1,8 @@
 //! What viewers find in a recording: Foxglove messages that show the simulation, and only when
 //! something changed.
 
-use crate::live::{Live, RIGID, SOFT};
+use crate::live::{Live, SOFT};
+use crate::scenes::RIGID;
 use palpate::recording::{Contents, RecorderSettings};
 use palpate_proto::foxglove as fox;
 use palpate_proto::recording as pb;

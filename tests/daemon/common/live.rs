@@ -2,7 +2,6 @@
 #![allow(dead_code)]
 
 use crate::common::pose;
-pub use crate::scenes::RIGID;
 use palpate::drive::journal::Journal;
 use palpate::drive::nets::NetPool;
 use palpate::recording::{
