@@ -206,6 +206,7 @@ documents! {
     commands_of_merge_run: "docs/merge.md";
     commands_of_page_run: "docs/page.md";
     commands_of_recording_run: "docs/recording.md";
+    commands_of_replay_run: "docs/replay.md";
     commands_of_scenarios_run: "docs/scenarios.md";
     commands_of_scene_run: "docs/scene.md";
     commands_of_security_run: "docs/security.md";

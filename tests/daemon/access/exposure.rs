@@ -139,7 +139,7 @@ fn no_command_links_to_another_machine_without_tls_and_an_identity() {
     let serve = ["serve", &scene, "--no-rt", "--for", "300ms"];
     let recording = concat!(
         env!("CARGO_MANIFEST_DIR"),
-        "/recordings/golden/two-hands.mcap"
+        "/recordings/golden/teardrop-tap.mcap"
     );
     let play = ["play", recording, "--end", "3", "--listen", &local];
     let relay = ["relay", "--for", "300ms", "--listen", &local, "--from"];
