@@ -82,12 +82,12 @@ fn tip(kind: Kind, shape: &str, orientation: Rotation, reach_m: f64) -> Result<R
         ..Slab::new(kind)
     }
     .run()?;
-    let (pressed, held, drawn) = (500_usize, 4_500, 2_500);
+    let (pressed, held, drawn) = (500_usize, 4_500, 5_000);
     let mut last = Vector3::zeros();
     let (mut ripple, mut jump) = (0.0_f64, 0.0_f64);
     for k in 0..pressed + held + drawn {
         let depth = 0.003 * (k as f64 / pressed as f64).min(1.0);
-        let way = 0.01 * (k.saturating_sub(pressed + held) as f64 / drawn as f64);
+        let way = 0.02 * (k.saturating_sub(pressed + held) as f64 / drawn as f64);
         let place = [0.001 + way, 0.002 - 0.3 * way, reach_m - depth];
         let posed = DevicePose {
             orientation,
