@@ -54,7 +54,7 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Begins; `lines` is the time between two lines where stderr is no terminal, and none prints none.
+    /// Begins. `lines` is the time between two lines where stderr is not a terminal; with `None` nothing is printed there.
     pub fn begin(unit: &'static str, lines: Option<Duration>) -> Self {
         let terminal = std::io::stderr().is_terminal();
         Self {

@@ -31,7 +31,7 @@ pub struct BarOptions {
 enum Field {
     /// The size of its error.
     Error,
-    /// Its error with its sign: less than nothing is no miss.
+    /// The signed error: a negative one meets every upper bound.
     Excess,
     /// Answers that are wrong.
     Wrong,

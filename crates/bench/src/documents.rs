@@ -242,7 +242,7 @@ fn said(path: &Path) -> anyhow::Result<String> {
         Some("json") => return Ok(text),
         _ => "#",
     };
-    // An attribute is no comment.
+    // An attribute begins with the same character as a comment but is code.
     let is_comment =
         |line: &str| line.starts_with(comment) && !(comment == "//" && line.starts_with("#"));
     let code = text

@@ -145,7 +145,7 @@ mod tests {
         assert!(unpacked::<f64>(&column).is_err());
     }
 
-    // Polynomials are told from their start on; a smooth motion takes two bytes of eight.
+    // A polynomial is predicted exactly once enough points are known; a smooth motion takes two bytes of eight.
     #[test]
     fn what_is_smooth_is_small() {
         let squares: Vec<u64> = (0..50).map(|k| 100 * k * k).collect();
