@@ -130,7 +130,7 @@ pub fn bars(options: &BarOptions) -> anyhow::Result<bool> {
     let promises = list::promises();
     let chosen: Vec<&Promise> = promises.iter().filter(wanted).collect();
     anyhow::ensure!(!chosen.is_empty(), "nothing is promised under that name");
-    let (mut told, mut missed, mut unmeasured) = (BTreeSet::new(), 0, Vec::new());
+    let (mut printed, mut missed, mut unmeasured) = (BTreeSet::new(), 0, Vec::new());
     for suite in Suite::ALL {
         let of: Vec<&Promise> = (chosen.iter().copied())
             .filter(|promise| promise.suite == suite)
@@ -138,9 +138,9 @@ pub fn bars(options: &BarOptions) -> anyhow::Result<bool> {
         if of.is_empty() {
             continue;
         }
-        let mut tell = |verdict: Verdict| {
+        let mut print = |verdict: Verdict| {
             // A row may be promised by itself and with others.
-            if !told.insert(format!(
+            if !printed.insert(format!(
                 "{} {} {}",
                 verdict.suite, verdict.name, verdict.bar
             )) {
@@ -154,11 +154,11 @@ pub fn bars(options: &BarOptions) -> anyhow::Result<bool> {
             anyhow::Ok(writeln!(std::io::stdout(), "{line}")?)
         };
         for verdict in judged(suite, &of, effort, &mut unmeasured)? {
-            tell(verdict)?;
+            print(verdict)?;
         }
     }
     if !options.json {
-        println!("{} bars, {missed} missed", told.len());
+        println!("{} bars, {missed} missed", printed.len());
     }
     anyhow::ensure!(
         unmeasured.is_empty(),

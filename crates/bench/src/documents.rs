@@ -155,7 +155,7 @@ fn stamp(table: &Table, root: &Path) -> anyhow::Result<String> {
             .args(arguments)
             .current_dir(root)
             .output();
-        let output = output.context("git tells the commit that is measured")?;
+        let output = output.context("cannot ask git for the commit that is measured")?;
         ensure!(
             output.status.success(),
             "git: {}",
@@ -242,16 +242,13 @@ fn said(path: &Path) -> anyhow::Result<String> {
         Some("json") => return Ok(text),
         _ => "#",
     };
-    // An attribute begins with the same character as a comment but is code.
-    let is_comment =
-        |line: &str| line.starts_with(comment) && !(comment == "//" && line.starts_with("#"));
     let code = text
         .split("#[cfg(test)]\nmod tests {")
         .next()
         .unwrap_or_default();
     let lines = code.lines().map(str::trim);
     Ok(lines
-        .filter(|line| !line.is_empty() && !is_comment(line))
+        .filter(|line| !line.is_empty() && !line.starts_with(comment))
         .collect::<Vec<_>>()
         .join("\n"))
 }

@@ -261,17 +261,11 @@ impl Scene {
             return true;
         }
         let bounds = |body: usize| {
-            let points = self.bodies[body].surface.net().points().iter();
-            let far = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
-            points.fold(far, |[low, high], p| {
-                let at = |c: usize| [low[c].min(p[c]), high[c].max(p[c])];
-                [
-                    [at(0)[0], at(1)[0], at(2)[0]],
-                    [at(0)[1], at(1)[1], at(2)[1]],
-                ]
-            })
+            let points = self.bodies[body].surface.net().points();
+            let first = (points[0], points[0]);
+            (points.iter()).fold(first, |(low, high), p| (low.inf(p), high.sup(p)))
         };
-        let ([a_low, a_high], [b_low, b_high]) = (bounds(a), bounds(b));
+        let ((a_low, a_high), (b_low, b_high)) = (bounds(a), bounds(b));
         let most_m = BENDS * self.bodies[a].size_m.min(self.bodies[b].size_m);
         (0..3).all(|c| (a_low[c] - b_high[c]).max(b_low[c] - a_high[c]) < most_m)
     }
