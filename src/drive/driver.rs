@@ -316,6 +316,7 @@ impl Driver {
         for tool in 0..scene.tool_count() {
             record.input.poses[tool] = ports.latch(tool);
         }
+        record.input.skipped = wake.skipped;
         laps.end(Stage::Latch);
         render(scene, state, scratch, &record.input, &mut record.output);
         ports.publish(&record.output);
@@ -324,7 +325,7 @@ impl Driver {
         laps.end(Stage::Deform);
         hash(state, &mut record.output);
         laps.end(Stage::Hash);
-        (record.late_ns, record.skipped) = (wake.late_ns, wake.skipped);
+        record.late_ns = wake.late_ns;
         record.stage_ns = laps.times;
         record.stage_ns[Stage::Emit] = self.emit_ns;
         nets.begin();
@@ -360,7 +361,7 @@ impl Driver {
         let Self { report, record, .. } = self;
         report.ticks += 1;
         report.late += u64::from(record.late_ns > LATE_NS);
-        report.skipped += u64::from(record.skipped);
+        report.skipped += u64::from(record.input.skipped);
         report.lateness.add(record.late_ns);
         report.stages.add(&record.stage_ns);
     }

@@ -177,7 +177,7 @@ pub fn tick_to_proto(record: &TickRecord, tool_count: usize) -> pb::Tick {
         moving: output.moving,
         quality: u32::from(output.quality),
         late_ns: record.late_ns,
-        skipped: record.skipped,
+        skipped: record.input.skipped,
         stage_ns: record.stage_ns.values().to_vec(),
     }
 }
@@ -197,10 +197,10 @@ pub fn tick_from_proto(tick: &pb::Tick) -> Result<TickRecord, ConvertError> {
     }
     let mut record = TickRecord {
         late_ns: tick.late_ns,
-        skipped: tick.skipped,
         stage_ns: StageTimes::from_recorded(&tick.stage_ns),
         ..TickRecord::for_tools(tick.tools.len())
     };
+    record.input.skipped = tick.skipped;
     let output = &mut record.output;
     (
         output.tick,

@@ -64,7 +64,7 @@ impl Message {
         let output = &record.output;
         let mark = Mark::Tick {
             state_hash: output.state_hash,
-            skipped: record.skipped,
+            skipped: record.input.skipped,
         };
         Self {
             mark,

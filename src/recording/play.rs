@@ -293,19 +293,13 @@ impl Player {
             tick,
             ..TickOutput::default()
         };
-        let record = record.unwrap_or(TickRecord {
+        let mut record = record.unwrap_or(TickRecord {
             output,
             ..TickRecord::default()
         });
         // Its lateness was counted when it was played.
-        self.publish(
-            scene,
-            &TickRecord {
-                late_ns: 0,
-                skipped: 0,
-                ..record
-            },
-        );
+        (record.late_ns, record.input.skipped) = (0, 0);
+        self.publish(scene, &record);
     }
 
     fn tell(&self, news: PlayNews) {

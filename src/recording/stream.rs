@@ -41,7 +41,7 @@ impl TickHead {
             net_revision: output.net_revision,
             state_hash: output.state_hash,
             late_ns: record.late_ns,
-            skipped: record.skipped,
+            skipped: record.input.skipped,
             stage_ns: record.stage_ns,
             moving: output.moving,
             quality: output.quality,
@@ -257,7 +257,7 @@ impl TickStream {
         (output.tick, output.net_revision, output.state_hash) =
             (head.tick, head.net_revision, head.state_hash);
         (output.moving, output.quality, output.fault) = (head.moving, head.quality, head.fault);
-        (record.late_ns, record.skipped, record.stage_ns) =
+        (record.late_ns, record.input.skipped, record.stage_ns) =
             (head.late_ns, head.skipped, head.stage_ns);
         take(Message::tick(record, self.tool_count));
         self.last_tick = head.tick;

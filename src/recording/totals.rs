@@ -185,7 +185,7 @@ impl Tally {
         let tick = record.output.tick;
         self.input(tick, &record.input);
         let totals = &mut self.totals;
-        totals.skipped_ticks += u64::from(record.skipped);
+        totals.skipped_ticks += u64::from(record.input.skipped);
         totals.late_ticks += u64::from(record.late_ns > LATE_NS);
         self.session_hash.push(tick, record.output.state_hash);
         self.final_hash = record.output.state_hash;

@@ -130,10 +130,12 @@ impl LoopTally {
         events.reached(record.output.tick);
         self.status.tick = record.output.tick;
         self.status.late_ticks += u64::from(record.late_ns > LATE_NS);
-        self.status.skipped_ticks += u64::from(record.skipped);
+        self.status.skipped_ticks += u64::from(record.input.skipped);
         let dt_ns = (scene.dt_s * 1e9) as u64;
         // From start to start: a tick that drops deadlines moves the next one, and is late by them itself.
-        if let Some((late_ns, skipped)) = self.before.replace((record.late_ns, record.skipped)) {
+        if let Some((late_ns, skipped)) =
+            self.before.replace((record.late_ns, record.input.skipped))
+        {
             let due_ns = dt_ns * (1 + u64::from(skipped));
             self.period
                 .add((due_ns + record.late_ns).saturating_sub(late_ns));

@@ -30,6 +30,9 @@ pub struct Inputs {
     pub ticks: u32,
     #[prost(message, repeated, tag = "4")]
     pub tools: ::prost::alloc::vec::Vec<ToolInputs>,
+    /// Deadlines dropped before each tick; empty: none.
+    #[prost(uint32, repeated, tag = "5")]
+    pub skipped: ::prost::alloc::vec::Vec<u32>,
 }
 /// Poses that took effect on a tool in these ticks, by columns.
 #[derive(Clone, PartialEq, ::prost::Message)]

@@ -134,7 +134,7 @@ fn write_row(line: &mut String, record: &TickRecord, tools: usize, bodies: &[Str
     row.text(u8::from(output.fault.is_some()));
     row.text(output.net_revision);
     row.text(format_args!("{:016x}", output.state_hash));
-    row.text(record.skipped);
+    row.text(record.input.skipped);
     row.text(record.late_ns);
     let times = record.stage_ns.values();
     times.iter().for_each(|ns| row.text(ns));

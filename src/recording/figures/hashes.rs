@@ -143,6 +143,9 @@ impl Hasher {
             let values = pose_values(pose).map(f64::to_bits);
             (head.into_iter().chain(values)).for_each(|word| self.inputs.push(tick, word));
         }
+        if input.skipped > 0 {
+            self.inputs.push(tick, input.skipped.into());
+        }
     }
 
     /// Takes in what came of a tick.

@@ -57,6 +57,11 @@ impl InputBlock {
                 .collect(),
             ticks: self.ticks.len() as u32,
             tools: tools.collect(),
+            skipped: if self.ticks.iter().any(|input| input.skipped > 0) {
+                self.ticks.iter().map(|input| input.skipped).collect()
+            } else {
+                Vec::new()
+            },
         }
     }
 
@@ -98,6 +103,15 @@ impl InputBlock {
                     "poses of tool {t} are not those of {count} ticks"
                 )));
             }
+        }
+        if !block.skipped.is_empty() && block.skipped.len() != count {
+            let dropped = block.skipped.len();
+            return Err(wrong(format!(
+                "deadlines dropped before {dropped} ticks of {count}"
+            )));
+        }
+        for (input, &skipped) in ticks.iter_mut().zip(&block.skipped) {
+            input.skipped = skipped;
         }
         let commands = block.commands.iter().map(|command| {
             let after_tick = command.after_tick;
@@ -176,6 +190,7 @@ mod tests {
 
     fn block() -> InputBlock {
         let mut ticks = vec![TickInput::for_tools(2); 7];
+        (ticks[1].skipped, ticks[5].skipped) = (3, u32::MAX);
         for (k, tool) in [(0, 1), (2, 0), (3, 0), (3, 1), (6, 0)] {
             ticks[k].poses[tool] = Some(DevicePose {
                 seq: k as u64 + 1,
@@ -208,7 +223,10 @@ mod tests {
     #[test]
     fn blocks_of_the_wrong_shape_are_refused() {
         type Edit = fn(&mut pb::Inputs);
-        let edits: [(&str, Edit); 8] = [
+        let edits: [(&str, Edit); 9] = [
+            ("deadlines dropped before 6 ticks of 7", |b| {
+                b.skipped.truncate(6)
+            }),
             ("at most", |b| b.ticks = MOST_TICKS as u32 + 1),
             ("at most", |b| {
                 b.tools.resize(MAX_TOOLS + 1, pb::ToolInputs::default())

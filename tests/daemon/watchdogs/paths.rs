@@ -5,6 +5,7 @@ use crate::devices::peer::Peer;
 use palpate_client::{Connect, Palpate, Watchdog, pose_at};
 use palpate_devices::ros2::{RosMessage as _, WrenchStamped, topic_subscription};
 use rustix::process::{Pid, Signal};
+use std::collections::HashMap;
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::{TcpListener, TcpStream};
 use std::path::Path;
@@ -133,6 +134,34 @@ impl Probe {
         let since = waits.iter().filter(|wait| wait.0 > event);
         since.map(|wait| wait.1).max().unwrap_or_default()
     }
+}
+
+/// How long the threads of a process stood ready and got no processor: by thread, since it began.
+pub fn waited(process: u32) -> HashMap<String, Duration> {
+    let threads = std::fs::read_dir(format!("/proc/{process}/task"));
+    let waited = threads
+        .into_iter()
+        .flatten()
+        .flatten()
+        .filter_map(|thread| {
+            let times = std::fs::read_to_string(thread.path().join("schedstat")).ok()?;
+            let ns = times.split_whitespace().nth(1)?.parse().ok()?;
+            let name = thread.file_name().into_string().ok()?;
+            Some((name, Duration::from_nanos(ns)))
+        });
+    waited.collect()
+}
+
+/// The longest that one thread waited since then.
+pub fn longest_wait(process: u32, before: &HashMap<String, Duration>) -> Duration {
+    let since = |(thread, now): (String, Duration)| {
+        now.saturating_sub(before.get(&thread).copied().unwrap_or_default())
+    };
+    waited(process)
+        .into_iter()
+        .map(since)
+        .max()
+        .unwrap_or_default()
 }
 
 /// A link that can go silent without closing.

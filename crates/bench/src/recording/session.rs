@@ -102,7 +102,6 @@ impl Simulated {
             input,
             output,
             late_ns: u64::from(jitter) * 4,
-            skipped: 0,
             stage_ns,
         }
     }

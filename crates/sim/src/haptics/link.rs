@@ -5,7 +5,8 @@
 //! Absent ─first pose─▶ Live ─stale or jump─▶ Fading ─limit at zero, next pose─▶ Live (proxy seated anew)
 //!                       ▲───────── a pose near the last believed one ───────────┘
 //! ```
-//! Time is counted in ticks: a replay sees the same ages.
+//! Time is counted in ticks and in deadlines of ticks that were dropped, both recorded: a replay sees the same
+//! ages, and a loop that cannot keep its rate lets no force act longer.
 
 use super::DevicePose;
 use palpate_geometry::math::{Coded, Point3, Rotation, Vector3};
@@ -44,7 +45,7 @@ pub struct Link {
     pub phase: LinkPhase,
     /// The pose in effect; of no meaning while absent.
     pub pose: DevicePose,
-    /// Its age, ticks.
+    /// Its age, ticks, with those that were dropped.
     pub age_ticks: u32,
     /// What the force may be now, N.
     pub limit_n: f64,
@@ -80,6 +81,28 @@ impl Default for Link {
 }
 
 impl Link {
+    /// Lets so many ticks pass that there was no time for: as if nothing had come in them, but that no
+    /// limit grows.
+    pub fn pass(&mut self, ticks: u32, limits: &LinkLimits, wanted: bool) {
+        let until_stale = limits.stale_ticks.saturating_sub(self.age_ticks);
+        let before = if self.phase == LinkPhase::Live {
+            ticks.min(until_stale)
+        } else {
+            ticks
+        };
+        self.fade(before, limits, wanted);
+        self.age_ticks = self.age_ticks.saturating_add(ticks);
+        if self.phase == LinkPhase::Live && self.age_ticks > limits.stale_ticks {
+            self.phase = LinkPhase::Stale;
+        }
+        self.fade(ticks - before, limits, wanted);
+    }
+
+    fn fade(&mut self, ticks: u32, limits: &LinkLimits, wanted: bool) {
+        let goal = self.goal_n(limits, wanted).min(self.limit_n);
+        self.limit_n = (self.limit_n - limits.ramp_n * f64::from(ticks)).max(goal);
+    }
+
     /// Takes this tick's pose, if any, and moves the force limit towards its goal. `wanted`: forces
     /// may be felt at all.
     pub fn admit(
@@ -214,6 +237,7 @@ stateful!(Link, |this, walk| {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use palpate_geometry::math::Random;
 
     const LIMITS: LinkLimits = LinkLimits {
         force_max_n: 10.0,
@@ -248,6 +272,41 @@ mod tests {
             assert_eq!(link.limit_n, 10.0 - f64::from(tick));
         }
         assert_eq!(link.phase, LinkPhase::Stale);
+    }
+
+    // A loop that drops deadlines takes a force away as soon as one that does not.
+    #[test]
+    fn ticks_that_were_dropped_age_a_pose_and_fade_its_force_like_any_other() {
+        let mut random = Random(39);
+        for case in 0..2_000 {
+            let wanted = case % 5 > 0;
+            let (mut all, mut dropping) = (Link::default(), Link::default());
+            for seq in 1..=20 {
+                for link in [&mut all, &mut dropping] {
+                    link.admit(Some(&at(0.0, seq)), &LIMITS, true);
+                }
+            }
+            let mut late = 0;
+            while late < 70 {
+                let dropped = random.below(12) as u32;
+                for _ in 0..=dropped {
+                    all.admit(None, &LIMITS, wanted);
+                }
+                dropping.pass(dropped, &LIMITS, wanted);
+                dropping.admit(None, &LIMITS, wanted);
+                late += dropped + 1;
+                assert_eq!(dropping, all, "{late} ticks after the last pose");
+            }
+            assert!(dropping.limit_n == 0.0 && dropping.phase == LinkPhase::Stale);
+            // What comes after a silence is a new place.
+            assert!(dropping.admit(Some(&at(1.0, 99)), &LIMITS, true).seated);
+        }
+        let mut stalled = Link::default();
+        for seq in 1..=20 {
+            stalled.admit(Some(&at(0.0, seq)), &LIMITS, true);
+        }
+        stalled.pass(u32::MAX, &LIMITS, true);
+        assert_eq!((stalled.phase, stalled.limit_n), (LinkPhase::Stale, 0.0));
     }
 
     #[test]

@@ -22,6 +22,7 @@ pub(super) fn admit(
             force_max_n,
             ..tool.limits
         };
+        tool_state.link.pass(input.skipped, &limits, wanted);
         let admission = tool_state
             .link
             .admit(input.poses[t].as_ref(), &limits, wanted);

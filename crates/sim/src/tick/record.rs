@@ -9,11 +9,14 @@ use crate::haptics::{DeviceBounds, DevicePose};
 use crate::solve::rows::Holder;
 use palpate_geometry::math::{Point3, Rotation, Vector3};
 
-/// Newly latched poses. The default is an input without news, for any scene.
+/// What a tick is given. The default is an input without news, for any scene.
 #[derive(Debug, Default, PartialEq)]
 pub struct TickInput {
     /// Finite, with unit quaternions; `None`: nothing new since the last tick.
     pub poses: ByTool<Option<DevicePose>>,
+    /// Deadlines of a loop in real time that were dropped before this tick. Poses age by them, and forces fade:
+    /// nobody's force acts longer because a loop cannot keep its rate.
+    pub skipped: u32,
 }
 
 impl TickInput {
@@ -21,6 +24,7 @@ impl TickInput {
     pub fn for_tools(tool_count: usize) -> Self {
         Self {
             poses: ByTool::for_tools(tool_count),
+            skipped: 0,
         }
     }
 }
@@ -29,12 +33,15 @@ impl Clone for TickInput {
     fn clone(&self) -> Self {
         Self {
             poses: self.poses.clone(),
+            skipped: self.skipped,
         }
     }
 
     /// Allocates nothing where there is room for as many tools.
     fn clone_from(&mut self, from: &Self) {
-        self.poses.clone_from(&from.poses);
+        let Self { poses, skipped } = self;
+        poses.clone_from(&from.poses);
+        *skipped = from.skipped;
     }
 }
 
@@ -341,8 +348,6 @@ pub struct TickRecord {
     pub output: TickOutput,
     /// How late it began, ns.
     pub late_ns: u64,
-    /// Deadlines dropped before it.
-    pub skipped: u32,
     /// Wall time of each stage, ns.
     pub stage_ns: StageTimes,
 }
@@ -364,7 +369,6 @@ impl Clone for TickRecord {
             input: self.input.clone(),
             output: self.output.clone(),
             late_ns: self.late_ns,
-            skipped: self.skipped,
             stage_ns: self.stage_ns,
         }
     }
@@ -375,12 +379,11 @@ impl Clone for TickRecord {
             input,
             output,
             late_ns,
-            skipped,
             stage_ns,
         } = self;
         input.clone_from(&from.input);
         output.clone_from(&from.output);
-        (*late_ns, *skipped, *stage_ns) = (from.late_ns, from.skipped, from.stage_ns);
+        (*late_ns, *stage_ns) = (from.late_ns, from.stage_ns);
     }
 }
 
