@@ -14,6 +14,7 @@
 //! Surfaces in joined pieces have no `spheres`.
 
 use super::exact::{self, ExactScratch};
+use super::features::FeatureSearch;
 use super::implicit::{ImplicitSolver, ImplicitTool};
 use super::mesh::{MeshSolver, MeshTool};
 use super::own::SelfSolver;
@@ -125,6 +126,8 @@ pub struct Narrow {
     /// What the last query found.
     pub set: ContactSet,
     query: Query,
+    /// Of a tool with corners and edges.
+    features: Option<Box<FeatureSearch>>,
 }
 
 /// What finds the contacts of a pair.
@@ -212,15 +215,24 @@ impl Narrow {
                 ) => Query::Spheres(Box::new(Spheres::new(body, rows))),
             },
         };
+        let features = match (party, method) {
+            (Party::Tool(shape), Method::Exact) => shape.features(),
+            _ => None,
+        };
         Ok(Self {
             set: ContactSet::new(),
             query,
+            features: features.map(|features| Box::new(FeatureSearch::new(body, features))),
         })
     }
 
     /// Contacts of a tool at `pose` with a body. `shape` is that with which the pair was made.
     pub fn contacts(&mut self, shape: &ToolShape, pose: &Pose, body: PairSide<'_>, reach: Reach) {
-        let Self { set, query } = self;
+        let Self {
+            set,
+            query,
+            features,
+        } = self;
         set.clear();
         let PairSide { surface, solver } = body;
         let place = Point3::from(pose.translation.vector);
@@ -256,7 +268,16 @@ impl Narrow {
                 }
             }
             ToolShape::Implicit { tool, .. } => match query {
-                Query::Implicit(found) => found.contacts(surface, solver, tool, pose, &reach, set),
+                Query::Implicit(found) => {
+                    if let Some(search) = features {
+                        search.find(tool.features(), pose, surface, solver, &reach);
+                    }
+                    let known = features.is_some();
+                    found.contacts(surface, solver, tool, pose, &reach, known, set);
+                    if let Some(search) = features {
+                        search.join(tool.features(), pose, surface, solver, &reach, set);
+                    }
+                }
                 Query::Spheres(spheres) => {
                     spheres.load(surface);
                     spheres.solid(&Placed::new(&**tool, shape, pose), &reach, set);
@@ -264,7 +285,16 @@ impl Narrow {
                 _ => made_for_another(shape),
             },
             ToolShape::Mesh(tool) => match query {
-                Query::Mesh(found) => found.contacts(surface, solver, tool, pose, &reach, set),
+                Query::Mesh(found) => {
+                    if let Some(search) = features {
+                        search.find(tool.features(), pose, surface, solver, &reach);
+                    }
+                    let known = features.is_some();
+                    found.contacts(surface, solver, tool, pose, &reach, known, set);
+                    if let Some(search) = features {
+                        search.join(tool.features(), pose, surface, solver, &reach, set);
+                    }
+                }
                 Query::Spheres(spheres) => {
                     spheres.load(surface);
                     spheres.solid(&Placed::new(&**tool, shape, pose), &reach, set);
@@ -324,7 +354,7 @@ impl Narrow {
 
     /// Contacts of two bodies, for a pair made with [`Party::Body`].
     pub fn body_contacts(&mut self, mine: PairSide<'_>, theirs: PairSide<'_>, reach: Reach) {
-        let Self { set, query } = self;
+        let Self { set, query, .. } = self;
         set.clear();
         match query {
             Query::Bodies(solver) => solver.contacts(mine, theirs, reach, set),
@@ -340,7 +370,7 @@ impl Narrow {
     /// Contacts of a body with itself no deeper than `deepest_m`, for a pair made with
     /// [`Party::Itself`].
     pub fn own_contacts(&mut self, body: PairSide<'_>, reach: Reach, deepest_m: f64) {
-        let Self { set, query } = self;
+        let Self { set, query, .. } = self;
         match query {
             Query::Own(solver) => {
                 solver.contacts(body.surface, body.solver, reach, deepest_m, set);

@@ -4,6 +4,7 @@
 //! broad             pairs whose boxes meet
 //! exact, implicit,  contacts of one tool shape with a surface, certified or polished to rounding
 //! mesh, pair, own   … of a mesh, of two surfaces, of a surface with itself
+//! features          … of corners and edges of a tool, where it has no normal
 //! spheres           the same on sampled points, as fast or as exact as their number
 //!      └──────────▶ ContactSet: contacts in order of depth, rectangles in touch, overlap
 //! dispatch          which of these answers for a pair
@@ -15,6 +16,7 @@ pub mod broad;
 mod depth;
 pub mod dispatch;
 pub mod exact;
+mod features;
 pub mod implicit;
 #[cfg(test)]
 mod joint_tests;
@@ -28,6 +30,7 @@ pub mod spheres;
 pub mod swept;
 
 pub use dispatch::Facing;
+pub use features::{Edge, Features};
 pub use samples::{ContactSamples, Weights, distance_squared_to_box};
-pub use set::{Contact, ContactSet, MAX_CONTACTS, Reach, Rectangle};
+pub use set::{Contact, ContactSet, MAX_CONTACTS, Reach, Rectangle, ToolPoint};
 pub use shape::{SurfaceShape, ToolShape};

@@ -14,7 +14,7 @@ use super::pair::cone::Cone;
 use super::pair::depth::{Sounding, jet};
 use super::pair::facing::{Half, face};
 use super::pair::usable;
-use super::{Contact, ContactSet, Reach, Rectangle};
+use super::{Contact, ContactSet, Reach, Rectangle, ToolPoint};
 use crate::basis::MAX_DEGREE;
 use crate::math::{Point3, Vector3};
 use crate::surface::closest::Foot;
@@ -274,6 +274,7 @@ impl SelfSolver {
             normal: -nb,
             depth_m,
             tool_uv: Some([s, t]),
+            point: ToolPoint::Found,
         });
         for cell in [x, y] {
             let ([u, v], [wide_u, wide_v]) = self.cells.middle(cell);

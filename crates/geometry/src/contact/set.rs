@@ -6,6 +6,23 @@ use crate::math::{Point3, Vector3};
 /// Most contacts kept of one pair; the deepest stay.
 pub const MAX_CONTACTS: usize = 32;
 
+/// Which point of a tool a contact has.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum ToolPoint {
+    /// Found by the query, and nothing of the tool beside it is known.
+    #[default]
+    Found,
+    /// The deepest of an edge or a face, whose corners and fixed points are less deep by so much, m.
+    Deepest {
+        /// m, at least 0.
+        by_m: f64,
+    },
+    /// A corner or tip.
+    Corner,
+    /// One of eight points of a round edge, the same in each query.
+    Round,
+}
+
 /// A contact between a tool and a body, or a gap within the margin.
 ///
 /// `on_body − on_tool = depth · normal`, to rounding.
@@ -25,6 +42,8 @@ pub struct Contact {
     pub depth_m: f64,
     /// Parameters of `on_tool`, where the tool is a B-spline surface (another body, or the same).
     pub tool_uv: Option<[f64; 2]>,
+    /// Which point of the tool it is.
+    pub point: ToolPoint,
 }
 
 /// A part of the body's parameter domain that holds everything of one contact region, in the
@@ -119,18 +138,9 @@ impl ContactSet {
         self.contacts.insert(at, contact);
     }
 
-    /// Replaces contacts where there is a better one; points of the tool follow from depth and
-    /// normal.
-    pub fn turn(&mut self, mut turned: impl FnMut(&Contact) -> Option<Contact>) {
-        for contact in &mut self.contacts {
-            if let Some(next) = turned(contact) {
-                *contact = Contact {
-                    on_tool: next.on_body - next.normal * next.depth_m,
-                    ..next
-                };
-            }
-        }
-        self.contacts.sort_unstable_by(order);
+    /// Takes the contacts out; what was said of rectangles, overlap and what was dropped stays.
+    pub(super) fn take_out(&mut self) {
+        self.contacts.clear();
     }
 
     /// Leaves out the contacts that do not pass; they count as dropped.
@@ -201,6 +211,7 @@ mod tests {
             normal,
             depth_m,
             tool_uv: None,
+            point: ToolPoint::Found,
         }
     }
 

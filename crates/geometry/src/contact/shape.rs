@@ -1,5 +1,6 @@
 //! Shapes of tools.
 
+use super::Features;
 use super::implicit::ImplicitTool;
 use super::mesh::MeshTool;
 use crate::math::{Point3, Pose, Vector3};
@@ -87,6 +88,18 @@ impl ToolShape {
             Self::Implicit { reach_m, .. } => *reach_m,
             Self::Mesh(mesh) => Some(mesh.reach_m()),
         }
+    }
+
+    /// Corners and edges that are known of it.
+    pub fn features(&self) -> Option<&Features> {
+        let features = match self {
+            Self::Implicit { tool, .. } => tool.features(),
+            Self::Mesh(mesh) => mesh.features(),
+            Self::Point | Self::Sphere { .. } | Self::Plane { .. } | Self::Surface(_) => {
+                return None;
+            }
+        };
+        Some(features).filter(|features| !features.is_empty())
     }
 
     /// True for half-spaces.

@@ -8,7 +8,7 @@
 //! clearance lost per metre of path, a step leaves (1 − s)/(1 + s) of it; what grazes so flatly
 //! that it has not arrived after [`STEPS`] of them is reported where it is, with its gap.
 
-use super::Contact;
+use super::{Contact, ToolPoint};
 use crate::math::{Point3, Vector3};
 use crate::surface::{ClosestSolver, Surface, WarmFoot};
 
@@ -126,6 +126,7 @@ pub fn ball(
             normal,
             depth_m,
             tool_uv: None,
+            point: ToolPoint::Found,
         },
     ))
 }
@@ -194,6 +195,7 @@ pub fn plane(
             normal,
             depth_m,
             tool_uv: None,
+            point: ToolPoint::Found,
         },
     ))
 }

@@ -31,6 +31,17 @@ impl Surface {
         (high - low).norm()
     }
 
+    /// Inside of the surface or on a periodic seam, and on no crease.
+    pub fn is_smooth_at(&self, u: f64, v: f64) -> bool {
+        [(self.knots_u(), u), (self.knots_v(), v)]
+            .into_iter()
+            .all(|(knots, t)| {
+                let (start, end) = knots.domain();
+                let inside = knots.is_periodic() || (t > start && t < end);
+                inside && knots.multiplicity(t) < knots.degree()
+            })
+    }
+
     /// How the surface closes, as its net is now.
     pub fn topology(&self) -> Topology {
         let tolerance = SAME_POINT * self.size();

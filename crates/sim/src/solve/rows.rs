@@ -49,6 +49,9 @@ pub struct Row {
     pub now_m: f64,
     /// Added to its own compliance, relative to it: how much others carry in its stead.
     pub ease: f64,
+    /// Most that it counts as deep where rows share a force that balance does not, m: what it is deeper than the
+    /// rows beside it, which stand for the rest.
+    pub counts_m: f64,
     /// How far free motion of both takes the holder past the body, m; a grip: from one point to the
     /// other.
     pub slip: Vector3,

@@ -295,7 +295,8 @@ fn share_whole_among_rigid(scene: &Scene, state: &SceneState, scratch: &mut Scra
         }
         let weight_m = match law {
             FrictionLaw::Push { .. } => {
-                (-row.gap_m).max(0.0) + LEAST_WEIGHT * compliance * friction.normal_n(i)
+                (-row.gap_m).clamp(0.0, row.counts_m)
+                    + LEAST_WEIGHT * compliance * friction.normal_n(i)
             }
             FrictionLaw::Grip { .. } => compliance * total.norm() / count,
         };
@@ -345,7 +346,7 @@ fn share_among_rigid(scene: &Scene, state: &SceneState, scratch: &mut Scratch, t
     for (i, row) in rows.rows.iter().enumerate().filter(|(_, row)| rigid(row)) {
         let force_n = problem.forces()[i];
         // What carries has some weight, even where the device is not below that contact itself.
-        let weight_m = (-row.gap_m).max(0.0) + LEAST_WEIGHT * compliance * force_n;
+        let weight_m = (-row.gap_m).clamp(0.0, row.counts_m) + LEAST_WEIGHT * compliance * force_n;
         shares.push(Share {
             normal: row.normal,
             weight_m,

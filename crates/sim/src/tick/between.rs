@@ -8,7 +8,7 @@ use crate::solve::row_key::RowKey;
 use crate::solve::rows::Approach;
 use palpate_geometry::basis::BasisWindow;
 use palpate_geometry::contact::dispatch::look_at;
-use palpate_geometry::contact::{Contact, Facing, Reach};
+use palpate_geometry::contact::{Contact, Facing, Reach, ToolPoint};
 use palpate_geometry::math::{Point3, Vector3};
 use palpate_geometry::surface::{ClosestSolver, Surface};
 
@@ -105,6 +105,7 @@ pub(super) fn bodies(
                 normal,
                 depth_m: -gap_m,
                 tool_uv: Some(uv),
+                point: ToolPoint::Found,
             };
             push_between(
                 rows,
@@ -158,6 +159,7 @@ pub(super) fn bodies(
                 normal: -normal,
                 depth_m: -gap_m,
                 tool_uv: Some([s, t]),
+                point: ToolPoint::Found,
             };
             push_between(
                 rows,

@@ -6,7 +6,7 @@ use crate::scene::{Body, BodyModel, Pair};
 use crate::solve::friction::FrictionLaw;
 use crate::solve::row_key::{RowId, RowKey};
 use crate::solve::rows::{DeformingView, Grip, Row, RowSet, SampleInTouch};
-use palpate_geometry::contact::Contact;
+use palpate_geometry::contact::{Contact, ToolPoint};
 use palpate_geometry::math::{Point3, Rotation, Vector3};
 
 /// Contacts of one pair that become rows.
@@ -156,6 +156,7 @@ pub(super) fn push_sample(
         normal: hit.facing.normal,
         depth_m: -hit.facing.gap_m,
         tool_uv: None,
+        point: ToolPoint::Found,
     };
     let (row, carried) = way.of(
         row(p, pair, RowKey::sample(hit.index), &contact),
@@ -270,6 +271,10 @@ fn row(p: usize, pair: &Pair, key: RowKey, contact: &Contact) -> Row {
         gap_m: -contact.depth_m,
         now_m: -contact.depth_m,
         ease: 0.0,
+        counts_m: match contact.point {
+            ToolPoint::Deepest { by_m } => by_m,
+            ToolPoint::Found | ToolPoint::Corner | ToolPoint::Round => f64::INFINITY,
+        },
         slip: Vector3::zeros(),
         law: law(pair),
         point: contact.on_body,

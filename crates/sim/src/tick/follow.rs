@@ -13,7 +13,7 @@ use super::{BodyScratch, WarmRow};
 use crate::scene::Pair;
 use crate::solve::row_key::{FEET_OF_PAIR, RowKey};
 use crate::solve::rows::{DeformingView, Row, RowSet};
-use palpate_geometry::contact::{Contact, Facing};
+use palpate_geometry::contact::{Contact, Facing, ToolPoint};
 use palpate_geometry::math::{Point3, Pose};
 
 /// Of a ball's radius: how far inside the ball the point lies whose foot on the surface is that of the
@@ -160,6 +160,7 @@ impl Treader<'_> {
                     normal: foot.normal * self.side,
                     depth_m: -foot.signed_distance * self.side,
                     tool_uv: None,
+                    point: ToolPoint::Found,
                 });
             }
         };
@@ -172,6 +173,7 @@ impl Treader<'_> {
             normal,
             depth_m: -gap_m,
             tool_uv: None,
+            point: ToolPoint::Found,
         })
     }
 }

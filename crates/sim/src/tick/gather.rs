@@ -9,22 +9,23 @@
 //! ```
 
 use super::between::{bodies, itself};
-use super::face::{Faced, face_surface};
 use super::feet::{MAX_FEET, Way, margin_m, meet, moving, push_foot, push_sample, view};
 use super::follow::{Follow, Treader, push_feet};
 use super::manifold::{Stance, push_manifold};
-use super::{BodyScratch, PairState, SceneState, Scratch};
+use super::{PairState, SceneState, Scratch};
 use super::{dent, flight, grip, rest, stick};
 use crate::haptics::LinkPhase;
-use crate::scene::{Body, BodyModel, Pair, Scene, Tool};
+use crate::scene::{BodyModel, Pair, Scene};
 use crate::solve::indentation::Touch;
 use crate::solve::proxy::BallContact;
 use crate::solve::row_key::RowKey;
 use crate::solve::rows::{Approach, DeformingView, Holder, RowSet};
 use palpate_geometry::basis::BasisWindow;
-use palpate_geometry::contact::dispatch::{Method, Narrow};
+use palpate_geometry::contact::dispatch::Method;
 use palpate_geometry::contact::exact::ball::signed_gap;
-use palpate_geometry::contact::{Contact, Facing, Reach, ToolShape, distance_squared_to_box};
+use palpate_geometry::contact::{
+    Contact, Facing, Reach, ToolPoint, ToolShape, distance_squared_to_box,
+};
 use palpate_geometry::math::{Point3, Pose, Rotation, Vector3, rotation_by, turn_between};
 
 /// Most steps of an anchor through empty space in one tick.
@@ -179,6 +180,7 @@ fn ball(
         normal: held.normal,
         depth_m: -gap_now,
         tool_uv: None,
+        point: ToolPoint::Found,
     };
     let same = |contact: &&Contact| (contact.on_body - first.on_body).norm() > SAME * body.size_m;
     let way = Way {
@@ -349,7 +351,7 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
             margin_m: length.min(longest).max(margin) + closing,
             below: proxy.below,
         };
-        touch(tool, body, pair, scratch_pair, &anchor.pose(), parts, reach);
+        scratch_pair.contacts(&tool.shape, &anchor.pose(), parts.side(), reach);
         if length <= reach.margin_m
             || !scratch_pair.set.contacts().is_empty()
             || stride + 1 == STRIDES
@@ -374,7 +376,7 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
                 margin_m,
                 below: proxy.below,
             };
-            touch(tool, body, pair, scratch_pair, &anchor.pose(), parts, reach);
+            scratch_pair.contacts(&tool.shape, &anchor.pose(), parts.side(), reach);
         }
     }
     let set = &scratch_pair.set;
@@ -436,6 +438,8 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
     let Some(view) = view else {
         return push_plain(rows, p, pair, feet, None, way, margin);
     };
+    // What gives way has samples beside the deepest points.
+    let feet = feet.filter(|contact| contact.point != ToolPoint::Round);
     let follow = match tool.shape {
         ToolShape::Point => return push_plain(rows, p, pair, feet, Some(&view), way, margin),
         ToolShape::Sphere { .. } => Follow::Rolls,
@@ -462,45 +466,6 @@ fn beside_m(shape: &ToolShape, size_m: f64) -> f64 {
         Some(radius_m) => BESIDE * radius_m,
         None => SAME_FOOT * size_m,
     }
-}
-
-/// Contacts of a tool at `pose`, its edges and tips turned to the surface.
-fn touch(
-    tool: &Tool,
-    body: &Body,
-    pair: &Pair,
-    scratch_pair: &mut Narrow,
-    pose: &Pose,
-    parts: &mut BodyScratch,
-    reach: Reach,
-) {
-    scratch_pair.contacts(&tool.shape, pose, parts.side(), reach);
-    let tips = match (&tool.shape, pair.method) {
-        (ToolShape::Implicit { tool, .. }, Method::Exact) => tool.tips(),
-        (ToolShape::Mesh(_), Method::Exact) => &[],
-        (
-            ToolShape::Point
-            | ToolShape::Sphere { .. }
-            | ToolShape::Plane { .. }
-            | ToolShape::Surface(_),
-            Method::Exact,
-        ) => return,
-        (_, Method::Spheres(_)) => return,
-    };
-    let BodyScratch {
-        surface,
-        solver,
-        bounds,
-        ..
-    } = parts;
-    let faced = Faced {
-        surface,
-        solver,
-        bounds: *bounds,
-        size_m: body.size_m,
-        below: reach.below,
-    };
-    face_surface(&mut scratch_pair.set, faced, pose, tips, reach.margin_m);
 }
 
 /// A tool that did not touch before begins to resist from where it comes to touch.

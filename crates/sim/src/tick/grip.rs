@@ -9,7 +9,7 @@ use crate::solve::friction::FrictionLaw;
 use crate::solve::grip::{GRAB, GripState, MAX_ANCHORS, apart_m, strength};
 use crate::solve::row_key::RowKey;
 use crate::solve::rows::Row;
-use palpate_geometry::contact::Contact;
+use palpate_geometry::contact::{Contact, ToolPoint};
 use palpate_geometry::math::Vector3;
 
 /// Brings the grips in line with the buttons and with where their points have come.
@@ -91,6 +91,7 @@ pub(super) fn push_anchors(
             normal,
             depth_m: -away.dot(&normal),
             tool_uv: None,
+            point: ToolPoint::Found,
         };
         push_anchor(
             rows,

@@ -13,7 +13,7 @@ use super::scratch::BodyScratch;
 use super::state::WarmRow;
 use crate::scene::Scene;
 use crate::solve::rows::{Holder, Row};
-use palpate_geometry::contact::Contact;
+use palpate_geometry::contact::{Contact, ToolPoint};
 use palpate_geometry::math::Vector3;
 
 /// A foot this far aside from straight below its point, relative to the size of its body, is on a rim.
@@ -64,5 +64,6 @@ pub(super) fn again(
         normal,
         depth_m: -gap_m,
         tool_uv: Some([0.0; 2]),
+        point: ToolPoint::Found,
     })
 }

@@ -12,7 +12,7 @@ use super::{BodyScratch, WarmRow};
 use crate::scene::Pair;
 use crate::solve::row_key::{FEET_OF_PAIR, RowKey};
 use crate::solve::rows::RowSet;
-use palpate_geometry::contact::Contact;
+use palpate_geometry::contact::{Contact, ToolPoint};
 use palpate_geometry::math::{Point3, Pose};
 
 /// Points of the tool closer than this, relative to the body's size, are one.
@@ -111,6 +111,7 @@ pub(super) fn push_manifold(
             normal,
             depth_m,
             tool_uv: None,
+            point: ToolPoint::Found,
         };
         taken |= 1 << number;
         push_foot(

@@ -13,7 +13,6 @@ mod by_tool;
 mod carry_over;
 mod dent;
 mod emit;
-mod face;
 mod feet;
 pub mod flags;
 mod flight;

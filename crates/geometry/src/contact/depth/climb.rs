@@ -7,6 +7,7 @@
 //! function of the other, has one maximum too, however sharp a ridge runs through both.
 
 use crate::surface::{Closing, Surface, Topology};
+use nalgebra::{Matrix2, Vector2};
 
 /// The surface's parameters, going on over seams.
 #[derive(Clone, Copy, Debug)]
@@ -27,6 +28,12 @@ pub(crate) struct ClimbTop {
     pub settled: bool,
 }
 
+/// Less than this of the size in a step is no gain.
+const GAIN: f64 = 1e-12;
+/// Nor is this in a window: depth is exact to 1e-9, a place is not where depth is level.
+const LEVEL_WINDOW: f64 = 1e-10;
+/// A second difference less than this of the size is none.
+const LEVEL: f64 = 1e-13;
 /// Newton steps, and steps of the cross.
 const NEWTON: usize = 12;
 const ROUNDS: usize = 60;
@@ -99,14 +106,23 @@ impl Map {
         })
     }
 
-    /// The local maximum above a start. `height` gives −∞ where it means nothing; `size_m`: what
-    /// digits are relative to.
+    /// Places beside one, a difference away.
+    pub fn around(&self, x: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
+        let h = self.spans.map(|s| DIFFERENCE * s);
+        [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)]
+            .into_iter()
+            .map(move |(a, b)| self.turn([x[0] + a * h[0], x[1] + b * h[1]]))
+    }
+
+    /// The local maximum above a start; `None` where steps end `at_edge`. `height` gives −∞ where it means nothing;
+    /// `size_m`: what digits are relative to.
     pub fn climb(
         &self,
         start: [f64; 2],
         size_m: f64,
         mut height: impl FnMut([f64; 2]) -> f64,
-    ) -> ClimbTop {
+        at_edge: impl Fn([f64; 2]) -> bool,
+    ) -> Option<ClimbTop> {
         let mut top = ClimbTop {
             at: self.turn(start),
             height_m: 0.0,
@@ -114,15 +130,18 @@ impl Map {
         };
         top.height_m = height(top.at);
         top.settled = self.newton(&mut top, size_m, &mut height);
+        if !top.settled && at_edge(top.at) {
+            return None;
+        }
         let smooth = top;
         self.cross(&mut top, size_m, smooth.settled, &mut height);
         // What Newton took for a top was none when a cross of steps finds better.
         top.settled = smooth.settled && top.height_m - smooth.height_m <= 1e-12 * size_m;
-        top
+        (top.settled || !at_edge(top.at)).then_some(top)
     }
 
     /// Makes a top that is not settled exact.
-    pub fn finish(&self, top: &mut ClimbTop, height: impl Fn([f64; 2]) -> f64) {
+    pub fn finish(&self, top: &mut ClimbTop, size_m: f64, height: impl Fn([f64; 2]) -> f64) {
         let mut window = WINDOW;
         for _ in 0..WINDOWS {
             let start = *top;
@@ -140,8 +159,10 @@ impl Map {
                 top.at = self.turn([start.at[0] + u * half[0], start.at[1] + v * half[1]]);
                 top.height_m = height(top.at);
             }
-            // At the window's edge the top is beyond it.
-            if u.abs() < 0.9 && v.abs() < 0.9 {
+            // At the window's edge the top is beyond it, unless it is level there.
+            if u.abs() < 0.9 && v.abs() < 0.9
+                || top.height_m - start.height_m < LEVEL_WINDOW * size_m
+            {
                 break;
             }
             window *= 2.0;
@@ -163,16 +184,10 @@ impl Map {
             let f = top.height_m;
             let (e, w, n, s) = (at(1.0, 0.0), at(-1.0, 0.0), at(0.0, 1.0), at(0.0, -1.0));
             let mixed = 0.25 * (at(1.0, 1.0) - at(1.0, -1.0) - at(-1.0, 1.0) + at(-1.0, -1.0));
-            let (gu, gv) = (0.5 * (e - w), 0.5 * (n - s));
-            let (huu, hvv) = (e - 2.0 * f + w, n - 2.0 * f + s);
-            let det = huu * hvv - mixed * mixed;
-            let bent = huu < 0.0 && hvv < 0.0 && det > 1e-6 * huu * hvv;
-            let (mut x, mut y) = if bent {
-                ((mixed * gv - hvv * gu) / det, (mixed * gu - huu * gv) / det)
-            } else {
-                let length = (gu * gu + gv * gv).sqrt().max(f64::MIN_POSITIVE);
-                (gu / length / DIFFERENCE, gv / length / DIFFERENCE)
-            };
+            let g = Vector2::new(0.5 * (e - w), 0.5 * (n - s));
+            let bend = Matrix2::new(e - 2.0 * f + w, mixed, mixed, n - 2.0 * f + s);
+            let (way, bent) = uphill(&g, &bend, LEVEL * size_m);
+            let (mut x, mut y) = (way.x, way.y);
             if !(x.is_finite() && y.is_finite()) {
                 return false;
             }
@@ -181,8 +196,8 @@ impl Map {
             if longest > limit {
                 (x, y) = (x * limit / longest, y * limit / longest);
             }
-            let gain = gu * x + gv * y;
-            if bent && gain.abs() <= 1e-14 * size_m {
+            let gain = g.x * x + g.y * y;
+            if bent && gain.abs() <= GAIN * size_m {
                 return true;
             }
             let mut moved = false;
@@ -242,7 +257,7 @@ impl Map {
                 let next = self.turn(next);
                 let value = height(next);
                 change = change.max((value - before.height_m).abs());
-                if value > top.height_m {
+                if value > top.height_m + GAIN * size_m {
                     *top = ClimbTop {
                         at: next,
                         height_m: value,
@@ -256,12 +271,37 @@ impl Map {
                 step = (2.0 * step).min(0.1);
                 continue;
             }
-            if change <= 1e-13 * size_m || step < if settled { 1e-9 } else { NEAR } {
+            if change <= GAIN * size_m || step < if settled { 1e-9 } else { NEAR } {
                 break;
             }
             step *= if settled { 0.1 } else { 0.4 };
         }
     }
+}
+
+/// Newton's step towards a maximum in units of the differences, and whether there is one: bent down in each direction or
+/// level in it. Where it is bent up, the way that rises most.
+fn uphill(g: &Vector2<f64>, bend: &Matrix2<f64>, level: f64) -> (Vector2<f64>, bool) {
+    let steepest = || {
+        let length = g.norm().max(f64::MIN_POSITIVE);
+        (g / (length * DIFFERENCE), false)
+    };
+    if !bend.iter().chain(g.iter()).all(|x| x.is_finite()) {
+        return steepest();
+    }
+    let eigen = bend.symmetric_eigen();
+    let mut way = Vector2::zeros();
+    for k in 0..2 {
+        let (direction, bent) = (eigen.eigenvectors.column(k), eigen.eigenvalues[k]);
+        let slope = direction.dot(g);
+        let weakest = 1e-6 * eigen.eigenvalues.amax();
+        if bent < -level.max(weakest) {
+            way -= direction * (slope / bent);
+        } else if bent > level || slope.abs() > level {
+            return steepest();
+        }
+    }
+    (way, true)
 }
 
 /// The place and value of the greatest value on [−1, 1], by golden section.

@@ -9,7 +9,8 @@
 
 mod climb;
 
-pub(super) use self::climb::{ClimbTop, Map};
+pub(super) use self::climb::ClimbTop;
+pub(super) use self::climb::Map;
 
 use super::exact::Patches;
 use super::{ContactSet, MAX_CONTACTS};
@@ -28,6 +29,8 @@ const MOST_FINISHED: usize = 12;
 /// not yet.
 const SAME: f64 = 1e-9;
 const SAME_ROUGHLY: f64 = 1e-5;
+/// Ways out that differ by more than 6° beside a place have an edge of the solid between them.
+const EDGE: f64 = 0.995;
 /// Tops nearer to each other than this, of the size, on two sides of a joint are one.
 const ONE_PLACE: f64 = 1e-5;
 /// How far over a joint is looked, of the patch there, and how many of them a climb crosses.
@@ -126,13 +129,14 @@ impl DepthSearch {
     }
 
     /// Fills `tops` with the local maxima of depth that are no farther outside than the margin; one
-    /// of each set that a way of equal depth joins.
+    /// of each set that a way of equal depth joins. Where the solid's `edges_known`, none is looked for at them.
     pub fn search(
         &mut self,
         surface: &Surface,
         solver: &mut ClosestSolver,
         field: &impl DepthField,
         margin_m: f64,
+        edges_known: bool,
         out: &mut ContactSet,
     ) {
         self.tops.clear();
@@ -143,7 +147,7 @@ impl DepthSearch {
         self.sample(surface, solver, field);
         let point = |x: [f64; 2]| surface.point(x[0], x[1]);
         let depth = |x: [f64; 2]| field.depth_m(&point(x));
-        self.pick(margin_m, depth, out);
+        self.pick(margin_m, !edges_known, depth, out);
         let equal = SAME * self.size_m;
         for k in 0..self.starts.0.len() {
             let start = self.starts.0[k].1;
@@ -157,7 +161,16 @@ impl DepthSearch {
             if known.any(|(at, level)| self.joined(start, at, level, depth)) {
                 continue;
             }
-            let top = self.climb(start, depth);
+            let at_edge = |x: [f64; 2]| {
+                edges_known
+                    && self.map.around(x).any(|beside| {
+                        let ways = [x, beside].map(|x| field.rough(&point(x)).1);
+                        ways[0].dot(&ways[1]) < EDGE
+                    })
+            };
+            let Some(top) = self.climb(start, depth, at_edge) else {
+                continue;
+            };
             if top.height_m.is_nan() || top.height_m < -margin_m - 1e-3 * equal {
                 continue;
             }
@@ -172,9 +185,12 @@ impl DepthSearch {
         });
         self.tops.truncate(MAX_CONTACTS);
         for k in 0..self.tops.len().min(MOST_FINISHED) {
-            if !self.tops[k].settled {
+            let [u, v] = self.tops[k].at;
+            // Where edges of the solid are known, only creases of the surface have kinks of their own.
+            let kink = !edges_known || !surface.is_smooth_at(u, v);
+            if kink && !self.tops[k].settled {
                 let mut top = self.tops[k];
-                self.map_at(top.at).finish(&mut top, depth);
+                self.map_at(top.at).finish(&mut top, self.size_m, depth);
                 top.settled = true;
                 self.tops[k] = top;
             }
@@ -194,24 +210,30 @@ impl DepthSearch {
         })
     }
 
-    /// Climbs, going on over joints while that leads up.
-    fn climb(&self, start: [f64; 2], depth: impl Fn([f64; 2]) -> f64) -> ClimbTop {
-        let mut top = self.map_at(start).climb(start, self.size_m, &depth);
+    /// Climbs, going on over joints while that leads up; `None`: to an edge that is known.
+    fn climb(
+        &self,
+        start: [f64; 2],
+        depth: impl Fn([f64; 2]) -> f64,
+        at_edge: impl Fn([f64; 2]) -> bool,
+    ) -> Option<ClimbTop> {
+        let climb = |from| self.map_at(from).climb(from, self.size_m, &depth, &at_edge);
+        let mut top = climb(start)?;
         let Some(joints) = &self.joints else {
-            return top;
+            return Some(top);
         };
         for _ in 0..MOST_CROSSED {
             let higher = |x: &[f64; 2]| depth(*x) > top.height_m;
             let Some(next) = joints.just_beyond(top.at, JUST_BEYOND).find(higher) else {
                 break;
             };
-            let other = self.map_at(next).climb(next, self.size_m, &depth);
+            let other = climb(next)?;
             if other.height_m <= top.height_m {
                 break;
             }
             top = other;
         }
-        top
+        Some(top)
     }
 
     /// A straight way of at least a height; between places of two patches there is none.
@@ -296,7 +318,13 @@ impl DepthSearch {
     }
 
     /// Chooses where to climb from.
-    fn pick(&mut self, margin_m: f64, depth: impl Fn([f64; 2]) -> f64, out: &mut ContactSet) {
+    fn pick(
+        &mut self,
+        margin_m: f64,
+        ridges: bool,
+        depth: impl Fn([f64; 2]) -> f64,
+        out: &mut ContactSet,
+    ) {
         self.starts.0.clear();
         self.ridges.0.clear();
         let n = self.axes.each_ref().map(|a| a.len() as i64);
@@ -342,10 +370,8 @@ impl DepthSearch {
             if highest {
                 complete &= self.starts.offer(here, at(k));
             }
-            for other in [neighbour(a, b + 1), neighbour(a + 1, b)]
-                .into_iter()
-                .flatten()
-            {
+            let beside = [neighbour(a, b + 1), neighbour(a + 1, b)];
+            for other in beside.into_iter().flatten().filter(|_| ridges) {
                 let (there, other_way) = self.samples[other];
                 let deep = here.max(there);
                 if deep > -margin_m

@@ -7,7 +7,7 @@
 //! point of the rim.
 
 use super::{ExactScratch, TANGENT};
-use crate::contact::{Contact, ContactSet, Reach};
+use crate::contact::{Contact, ContactSet, Reach, ToolPoint};
 use crate::math::{Point3, Vector3};
 use crate::surface::{ClosestPoint, ClosestSolver, Surface};
 
@@ -111,6 +111,7 @@ fn push(
         normal,
         depth_m,
         tool_uv: None,
+        point: ToolPoint::Found,
     });
 }
 

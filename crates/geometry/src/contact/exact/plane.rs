@@ -4,7 +4,7 @@
 //! surface is a contact.
 
 use super::{ExactScratch, TANGENT};
-use crate::contact::{Contact, ContactSet, Reach};
+use crate::contact::{Contact, ContactSet, Reach, ToolPoint};
 use crate::math::{Point3, Vector3};
 use crate::surface::{ClosestSolver, Surface};
 
@@ -56,6 +56,7 @@ pub fn contacts(
             normal: down,
             depth_m,
             tool_uv: None,
+            point: ToolPoint::Found,
         });
     }
 }

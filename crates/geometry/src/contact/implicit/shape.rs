@@ -3,6 +3,7 @@
 use super::expression::ExpressionError;
 use super::interval::Interval;
 use super::tape::Tape;
+use crate::contact::Features;
 use crate::math::{Point3, Pose, Vector3};
 
 /// A solid around the tool's reference point; axes are along z.
@@ -198,25 +199,8 @@ impl ImplicitShape {
     pub fn compile(&self) -> Result<ImplicitTool, ImplicitError> {
         Ok(ImplicitTool {
             tape: Tape::parse(&self.text()?)?,
-            tips: self.tips(),
+            features: self.features(),
         })
-    }
-
-    /// Points where the solid ends in a tip or a corner; for expressions they are not known.
-    fn tips(&self) -> Vec<Point3> {
-        match self {
-            Self::Cone { .. } => vec![Point3::origin()],
-            Self::Box {
-                half_extents_m: half,
-            } => {
-                let sign =
-                    |corner: usize, axis: usize| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
-                let corner =
-                    |k| Point3::from(std::array::from_fn(|axis| sign(k, axis) * half[axis]));
-                (0..8).map(corner).collect()
-            }
-            _ => Vec::new(),
-        }
     }
 }
 
@@ -224,7 +208,7 @@ impl ImplicitShape {
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImplicitTool {
     tape: Tape,
-    tips: Vec<Point3>,
+    features: Features,
 }
 
 /// Where a point stands: the zero set along its gradient.
@@ -242,9 +226,9 @@ const DOUBLINGS: usize = 24;
 const STEPS: usize = 80;
 
 impl ImplicitTool {
-    /// Known tips and corners of the solid, in the tool's frame, m.
-    pub fn tips(&self) -> &[Point3] {
-        &self.tips
+    /// Its corners and edges, as far as they are known, in the tool's frame.
+    pub fn features(&self) -> &Features {
+        &self.features
     }
 
     /// The function, in the tool's frame.
@@ -270,6 +254,12 @@ impl ImplicitTool {
             },
             gradient / steepness,
         )
+    }
+
+    /// How deep a point of the tool's frame is, m; −∞ where that means nothing.
+    pub(in crate::contact) fn depth_m(&self, p: &Point3) -> f64 {
+        self.stand(p)
+            .map_or(f64::NEG_INFINITY, |stand| stand.depth_m)
     }
 
     /// Depth of a point of the tool's frame along its gradient (along +z where that vanishes);

@@ -2,7 +2,7 @@
 
 use super::shape::ImplicitTool;
 use crate::contact::depth::{DepthField, DepthSearch};
-use crate::contact::{Contact, ContactSet, Reach};
+use crate::contact::{Contact, ContactSet, Reach, ToolPoint};
 use crate::math::{Matrix3, Point3, Pose, Vector3};
 use crate::surface::{ClosestSolver, Surface};
 
@@ -38,9 +38,7 @@ impl DepthField for PlacedShape<'_> {
     }
 
     fn depth_m(&self, p: &Point3) -> f64 {
-        self.tool
-            .stand(&self.pose.inverse_transform_point(p))
-            .map_or(f64::NEG_INFINITY, |s| s.depth_m)
+        self.tool.depth_m(&self.pose.inverse_transform_point(p))
     }
 }
 
@@ -53,7 +51,8 @@ impl ImplicitSolver {
     }
 
     /// Contacts with a solid at a pose, deepest first; `out` is cleared first. A pose that is not
-    /// finite touches nothing. Both sides of an open sheet are alike to a solid.
+    /// finite touches nothing. Both sides of an open sheet are alike to a solid. Where its `edges_known`,
+    /// nothing is looked for at them.
     pub fn contacts(
         &mut self,
         surface: &Surface,
@@ -61,6 +60,7 @@ impl ImplicitSolver {
         tool: &ImplicitTool,
         pose: &Pose,
         reach: &Reach,
+        edges_known: bool,
         out: &mut ContactSet,
     ) {
         out.clear();
@@ -86,7 +86,7 @@ impl ImplicitSolver {
             grow_m: reach.margin_m + 1e-12 * self.search.size_m,
         };
         self.search
-            .search(surface, solver, &field, reach.margin_m, out);
+            .search(surface, solver, &field, reach.margin_m, edges_known, out);
         for top in &self.search.tops {
             let [u, v] = top.at;
             let on_body = surface.point(u, v);
@@ -103,6 +103,7 @@ impl ImplicitSolver {
                 normal,
                 depth_m: stand.depth_m,
                 tool_uv: None,
+                point: ToolPoint::Found,
             });
         }
         if out.deepest().is_some() {

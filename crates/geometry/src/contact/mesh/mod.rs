@@ -13,6 +13,7 @@ mod solver;
 mod tests;
 
 use self::parry::Triangles;
+use crate::contact::Features;
 use crate::math::{Point3, Pose, Vector3};
 
 pub use check::MeshError;
@@ -32,6 +33,7 @@ pub struct MeshTool {
     neighbours: Vec<u32>,
     /// (⌈vertices / BLOCK⌉): centre and radius of a ball around each block of vertices, m.
     blocks: Vec<(Point3, f64)>,
+    features: Features,
     volume_m3: f64,
     size_m: f64,
 }
@@ -88,6 +90,7 @@ impl MeshTool {
             })
             .collect();
         Ok(Self {
+            features: Self::sharp_features(&sound.vertices, &sound.triangles),
             triangles: Triangles::new(&sound.vertices, &sound.triangles)?,
             offsets,
             neighbours: pairs.into_iter().map(|(_, b)| b).collect(),
@@ -137,6 +140,11 @@ impl MeshTool {
     pub fn signed_gap(&self, pose: &Pose, point: &Point3) -> (f64, Vector3) {
         let (gap_m, out) = self.signed_distance(&pose.inverse_transform_point(point));
         (gap_m, -(pose.rotation * out))
+    }
+
+    /// Edges sharper than 1° that stand out, and their ends.
+    pub fn features(&self) -> &Features {
+        &self.features
     }
 
     fn neighbours(&self, vertex: usize) -> &[u32] {

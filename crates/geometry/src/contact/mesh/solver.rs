@@ -8,7 +8,7 @@
 
 use super::{BLOCK, MeshTool};
 use crate::contact::depth::{DepthField, DepthSearch};
-use crate::contact::{Contact, ContactSet, MAX_CONTACTS, Reach};
+use crate::contact::{Contact, ContactSet, MAX_CONTACTS, Reach, ToolPoint};
 use crate::math::{Point3, Pose, Vector3};
 use crate::surface::{ClosestPoint, ClosestSolver, Surface};
 
@@ -67,7 +67,8 @@ impl MeshSolver {
     }
 
     /// Contacts with a mesh at a pose, deepest first; `out` is cleared first. A pose that is not
-    /// finite touches nothing.
+    /// finite touches nothing. Where its `edges_known`,
+    /// nothing is looked for at them.
     pub fn contacts(
         &mut self,
         surface: &Surface,
@@ -75,6 +76,7 @@ impl MeshSolver {
         tool: &MeshTool,
         pose: &Pose,
         reach: &Reach,
+        edges_known: bool,
         out: &mut ContactSet,
     ) {
         out.clear();
@@ -98,7 +100,7 @@ impl MeshSolver {
             margin_m: reach.margin_m,
         };
         self.search
-            .search(surface, solver, &field, reach.margin_m, out);
+            .search(surface, solver, &field, reach.margin_m, edges_known, out);
         self.vertices(surface, solver, tool, pose, reach, out);
         let level_m = -1e-9 * self.search.size_m;
         let depth = |x: [f64; 2]| field.depth_m(&surface.point(x[0], x[1]));
@@ -130,6 +132,7 @@ impl MeshSolver {
                 normal,
                 depth_m: -gap_m,
                 tool_uv: None,
+                point: ToolPoint::Found,
             });
         }
         if out.deepest().is_some() {
@@ -245,6 +248,7 @@ fn corner(foot: &ClosestPoint, p: &Point3, side: f64, closed: bool) -> Option<Co
         normal,
         depth_m: -gap_m,
         tool_uv: None,
+        point: ToolPoint::Found,
     })
 }
 

@@ -34,7 +34,7 @@ use self::depth::Below;
 use self::facing::{Half, StationaryPair, face};
 use self::regions::{PairRegion, Regions};
 use self::tops::Upper;
-use super::{Contact, ContactSet, Reach, Rectangle};
+use super::{Contact, ContactSet, Reach, Rectangle, ToolPoint};
 use crate::surface::{ClosestSolver, Surface};
 
 /// Most stationary pairs kept.
@@ -116,6 +116,7 @@ impl PairSolver {
                     normal: -top.sounding.normal,
                     depth_m,
                     tool_uv: Some([foot.u, foot.v]),
+                    point: ToolPoint::Found,
                 },
             );
             if depth_m >= -TOUCHING * size_m {
@@ -141,6 +142,7 @@ impl PairSolver {
                     normal: top.sounding.normal,
                     depth_m: top.sounding.depth_m,
                     tool_uv: Some([top.u, top.v]),
+                    point: ToolPoint::Found,
                 },
             );
         }

@@ -4,7 +4,7 @@ use super::SAME_DEPTH;
 use super::cover::{CellId, Cover};
 use super::levels::nearest_in_cell;
 use super::peaks::{Leaf, Peaks};
-use crate::contact::{Contact, ContactSet};
+use crate::contact::{Contact, ContactSet, ToolPoint};
 use crate::math::Vector3;
 
 /// Local gaps within the margin, at the corners of cells whose spheres meet, against the other
@@ -103,6 +103,7 @@ fn gap(b: &mut Cover, t: &mut Cover, [x, y]: [CellId; 2], side: f64) -> (f64, Co
             normal,
             depth_m: -gap_m,
             tool_uv: Some(tool_uv),
+            point: ToolPoint::Found,
         },
     )
 }

@@ -59,7 +59,7 @@ use self::hull::Witness;
 use self::levels::{Levels, Limits, Nearest};
 use self::peaks::{Leaf, Peaks};
 use self::solid::{Ball, HalfSpace};
-use super::{Contact, ContactSet, Reach, Rectangle};
+use super::{Contact, ContactSet, Reach, Rectangle, ToolPoint};
 use crate::math::{Point3, Pose, Vector3};
 use crate::surface::Surface;
 
@@ -320,6 +320,7 @@ impl Spheres {
                 normal,
                 depth_m: leaf.depth_m,
                 tool_uv: None,
+                point: ToolPoint::Found,
             };
             if normal
                 .iter()
@@ -398,5 +399,6 @@ fn ball_contact(cover: &Cover, ball: &Ball, leaf: &Leaf, side: f64) -> Contact {
         normal,
         depth_m,
         tool_uv: None,
+        point: ToolPoint::Found,
     }
 }

@@ -9,7 +9,7 @@ use super::levels::Levels;
 use super::region::SphereRegion;
 use super::triangles;
 use super::{SAME_DEPTH, Spheres};
-use crate::contact::{Contact, ContactSet, Reach};
+use crate::contact::{Contact, ContactSet, Reach, ToolPoint};
 
 /// Pairs of cells for which there is room, for each cell of both surfaces. Coinciding curved
 /// surfaces need about 13.
@@ -167,6 +167,7 @@ impl SpheresPair {
                         normal,
                         depth_m,
                         tool_uv: Some(deep.foot_uv),
+                        point: ToolPoint::Found,
                     });
                 }
                 set.push_rectangle(area);
@@ -184,6 +185,7 @@ impl SpheresPair {
                         normal,
                         depth_m,
                         tool_uv: Some(deep.uv),
+                        point: ToolPoint::Found,
                     });
                 }
             });

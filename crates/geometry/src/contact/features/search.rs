@@ -1,0 +1,331 @@
+//! Where corners and edges of a tool are in the signed distance of a body.
+
+use super::edge::FIXED;
+use super::{Edge, Features};
+use crate::contact::{Contact, ContactSet, Reach, ToolPoint, distance_squared_to_box};
+use crate::math::{Point3, Pose, Vector3};
+use crate::surface::{ClosestPoint, ClosestSolver, Closing, Surface};
+
+/// Looks along a round edge, and most along another.
+const LOOKS: usize = 16;
+/// Of these, each so many is a fixed point.
+const EVERY: usize = LOOKS / FIXED;
+/// Looks a span of the surface.
+const LOOKS_OF_SPAN: f64 = 2.0;
+/// Slopes of the distance along an edge below this are level.
+const LEVEL: f64 = 1e-9;
+/// Steps towards a place without slope, and the slope that ends them.
+const STEPS: usize = 60;
+const NO_SLOPE: f64 = 1e-13;
+/// Of a face: deeper than the feature beside it by this, of the size, or the feature stands for it.
+const DEEPER: f64 = 1e-7;
+/// Normals of two smooth places that touch agree by this cosine (0.8°): what queries leave over is less.
+const AGREE: f64 = 1.0 - 1e-4;
+/// Beyond an open rim a foot is straight below its point within this cosine.
+const STRAIGHT: f64 = 1.0 - 1e-6;
+
+/// Scratch for the features of one tool against one surface. Nothing in it outlives a query.
+#[derive(Clone, Debug)]
+pub struct FeatureSearch {
+    size_m: f64,
+    /// Between two looks along an edge, m.
+    spacing_m: f64,
+    closed: bool,
+    /// The ends of u and v are apart.
+    open: [bool; 2],
+    corners: Vec<Option<ClosestPoint>>,
+    found: ContactSet,
+    tops: Vec<Contact>,
+}
+
+/// The body as features see it.
+struct Below<'a> {
+    surface: &'a Surface,
+    solver: &'a mut ClosestSolver,
+    side: f64,
+    open: [bool; 2],
+    closed: bool,
+}
+
+impl Below<'_> {
+    /// The contact of a point of the tool with its foot. Beyond an open rim there is none.
+    fn contact(&self, foot: &ClosestPoint, p: &Point3, point: ToolPoint) -> Option<Contact> {
+        let gap_m = self.side * foot.signed_distance;
+        let own = foot.normal * self.side;
+        let sign = if gap_m < 0.0 { -1.0 } else { 1.0 };
+        let way = (p - foot.point) * sign;
+        if gap_m < 0.0 && self.on_rim(foot) && way.dot(&own) < STRAIGHT * foot.distance {
+            return None;
+        }
+        // At a crease or a rim the surface has none of its own.
+        let smooth = || self.surface.is_smooth_at(foot.u, foot.v);
+        let normal = match way.try_normalize(0.0) {
+            Some(n) if foot.distance > 1e-9 * foot.point.coords.amax() && !smooth() => n,
+            _ => own,
+        };
+        Some(Contact {
+            u: foot.u,
+            v: foot.v,
+            on_body: foot.point,
+            on_tool: *p,
+            normal,
+            depth_m: -gap_m,
+            tool_uv: None,
+            point,
+        })
+    }
+
+    /// At an end of the surface that does not close.
+    fn on_rim(&self, foot: &ClosestPoint) -> bool {
+        let ends = [
+            (self.surface.knots_u(), foot.u),
+            (self.surface.knots_v(), foot.v),
+        ];
+        let at_end = ends.map(|(knots, t)| {
+            let (start, end) = knots.domain();
+            t <= start || t >= end
+        });
+        (0..2).any(|k| at_end[k] && self.open[k])
+    }
+
+    fn closest(&mut self, p: &Point3) -> ClosestPoint {
+        self.solver.closest(self.surface, p)
+    }
+
+    /// Slope of the distance along a way.
+    fn slope(&self, foot: &ClosestPoint, way: &Vector3) -> f64 {
+        (foot.normal * self.side).dot(way)
+    }
+}
+
+impl FeatureSearch {
+    /// Makes room for the features of a tool.
+    pub fn new(surface: &Surface, features: &Features) -> Self {
+        let size_m = surface.size();
+        let spans = [surface.knots_u(), surface.knots_v()].map(|knots| knots.spans().count());
+        let most = spans[0].max(spans[1]).max(1) as f64;
+        Self {
+            size_m,
+            spacing_m: size_m / (LOOKS_OF_SPAN * most),
+            closed: surface.topology().is_closed(),
+            open: surface
+                .topology()
+                .closing
+                .map(|closing| closing == Closing::Open),
+            corners: vec![None; features.corners.len()],
+            found: ContactSet::new(),
+            tops: Vec::with_capacity(crate::contact::MAX_CONTACTS),
+        }
+    }
+
+    /// Looks for the features that touch, or are within the margin.
+    pub fn find(
+        &mut self,
+        features: &Features,
+        pose: &Pose,
+        surface: &Surface,
+        solver: &mut ClosestSolver,
+        reach: &Reach,
+    ) {
+        let (side, size_m, spacing_m) = (reach.side(), self.size_m, self.spacing_m);
+        let (open, closed) = (self.open, self.closed);
+        let Self {
+            found: set,
+            corners,
+            ..
+        } = self;
+        set.clear();
+        let points = surface.net().points();
+        let (low, high) = points
+            .iter()
+            .fold((points[0], points[0]), |(l, h), p| (l.inf(p), h.sup(p)));
+        let behind_m = if closed { 0.0 } else { size_m };
+        let within_m = reach.margin_m + behind_m + 1e-9 * size_m;
+        let near = |p: &Point3, radius_m: f64| {
+            distance_squared_to_box(p, &low, &high).sqrt() <= radius_m + within_m
+        };
+        let mut below = Below {
+            surface,
+            solver,
+            side,
+            open,
+            closed,
+        };
+        for (corner, found) in features.corners.iter().zip(&mut *corners) {
+            let p = pose * corner;
+            *found = near(&p, 0.0).then(|| below.closest(&p));
+            if let Some(foot) = found {
+                push(set, reach, below.contact(foot, &p, ToolPoint::Corner));
+            }
+        }
+        for edge in &features.edges {
+            let (centre, radius_m) = edge.ball();
+            if !near(&(pose * centre), radius_m) {
+                continue;
+            }
+            along(edge, corners, spacing_m, pose, &mut below, reach, set);
+        }
+    }
+
+    /// Adds what was found to what a query of the faces found, `set`, of which stays what is deeper than the features
+    /// beside it.
+    pub fn join(
+        &mut self,
+        features: &Features,
+        pose: &Pose,
+        surface: &Surface,
+        solver: &mut ClosestSolver,
+        reach: &Reach,
+        set: &mut ContactSet,
+    ) {
+        let side = reach.side();
+        let agree = |c: &&Contact| {
+            let own = || (surface.normal(c.u, c.v) * side).dot(&c.normal) >= AGREE;
+            !surface.is_smooth_at(c.u, c.v) || own()
+        };
+        self.tops.clear();
+        self.tops.extend(set.contacts().iter().filter(agree));
+        set.take_out();
+        self.found.contacts().iter().for_each(|c| set.push(*c));
+        for top in &self.tops {
+            let place = pose.inverse_transform_point(&top.on_tool);
+            let beside = pose * features.nearest(&place);
+            let beside_m = -side * solver.closest(surface, &beside).signed_distance;
+            let by_m = top.depth_m - beside_m;
+            if by_m > DEEPER * self.size_m {
+                set.push(Contact {
+                    point: ToolPoint::Deepest { by_m },
+                    ..*top
+                });
+            }
+        }
+    }
+}
+
+/// The least distances along an edge, and the fixed points of a round one.
+fn along(
+    edge: &Edge,
+    corners: &[Option<ClosestPoint>],
+    spacing_m: f64,
+    pose: &Pose,
+    below: &mut Below<'_>,
+    reach: &Reach,
+    set: &mut ContactSet,
+) {
+    let point = |t: f64| {
+        let (p, way) = edge.at(t);
+        (pose * p, pose.rotation * way)
+    };
+    let length_m = edge.length_m();
+    let looks = if edge.is_round() {
+        LOOKS
+    } else {
+        ((length_m / spacing_m).ceil() as usize).clamp(1, LOOKS)
+    };
+    // The distance changes by no more than the way: where both ends are farther, nothing between is near.
+    if let Edge::Segment { corners: ends, .. } = edge {
+        let gap = |corner: usize| corners[corner].map(|foot| below.side * foot.signed_distance);
+        if below.closed
+            && let [Some(a), Some(b)] = ends.map(gap)
+            && a + b - length_m > 2.0 * reach.margin_m
+        {
+            return;
+        }
+    } else {
+        let (centre, radius_m) = edge.ball();
+        if below.closed
+            && below.side * below.closest(&(pose * centre)).signed_distance
+                > radius_m + reach.margin_m
+        {
+            return;
+        }
+    }
+    let at = |k: usize| k as f64 / looks as f64;
+    let mut feet = [None; LOOKS + 1];
+    for k in 0..=looks {
+        let (p, way) = point(at(k));
+        let foot = match edge {
+            Edge::Segment { corners: ends, .. } if k == 0 => corners[ends[0]],
+            Edge::Segment { corners: ends, .. } if k == looks => corners[ends[1]],
+            Edge::Circle { .. } if k == looks => feet[0].map(|(foot, _)| foot),
+            _ => None,
+        };
+        let foot = foot.unwrap_or_else(|| below.closest(&p));
+        feet[k] = Some((foot, below.slope(&foot, &way) / length_m));
+        if edge.is_round() && k < looks && k % EVERY == 0 {
+            push(set, reach, below.contact(&foot, &p, ToolPoint::Round));
+        }
+    }
+    let depth_m = |k: usize| {
+        feet[k].map_or(f64::NEG_INFINITY, |(foot, _)| {
+            -below.side * foot.signed_distance
+        })
+    };
+    for k in 0..looks {
+        let [Some((foot, from)), Some((_, to))] = [feet[k], feet[k + 1]] else {
+            continue;
+        };
+        let level = from.abs() < LEVEL && to.abs() < LEVEL;
+        if level || from >= 0.0 || to < 0.0 {
+            continue;
+        }
+        let (foot, p) = least(
+            below,
+            &point,
+            length_m,
+            [(at(k), from), (at(k + 1), to)],
+            foot,
+        );
+        let beside = if edge.is_round() {
+            let before = k - k % EVERY;
+            [before, before + EVERY]
+        } else {
+            [0, looks]
+        };
+        let least_m = -below.side * foot.signed_distance;
+        let by_m = (least_m - depth_m(beside[0]).max(depth_m(beside[1]))).max(0.0);
+        push(
+            set,
+            reach,
+            below.contact(&foot, &p, ToolPoint::Deepest { by_m }),
+        );
+    }
+}
+
+/// Where the slope along an edge is none, between two places of which it is known.
+fn least(
+    below: &Below<'_>,
+    point: &impl Fn(f64) -> (Point3, Vector3),
+    length_m: f64,
+    [(mut low, mut at_low), (mut high, mut at_high)]: [(f64, f64); 2],
+    mut foot: ClosestPoint,
+) -> (ClosestPoint, Point3) {
+    let mut p = point(low).0;
+    for step in 0..STEPS {
+        let t = if step % 3 == 2 {
+            0.5 * (low + high)
+        } else {
+            low + (high - low) * (at_low / (at_low - at_high))
+        };
+        let (here, way) = point(t);
+        p = here;
+        let (surface, solver) = (below.surface, &*below.solver);
+        foot = solver.local(surface, &p, foot.u, foot.v).unwrap_or(foot);
+        let slope = below.slope(&foot, &way) / length_m;
+        if slope.abs() < NO_SLOPE || high - low < 1e-15 {
+            break;
+        }
+        if slope < 0.0 {
+            (low, at_low) = (t, slope);
+        } else {
+            (high, at_high) = (t, slope);
+        }
+    }
+    (foot, p)
+}
+
+fn push(set: &mut ContactSet, reach: &Reach, contact: Option<Contact>) {
+    if let Some(contact) = contact.filter(|contact| contact.depth_m >= -reach.margin_m) {
+        set.push(contact);
+    }
+}
