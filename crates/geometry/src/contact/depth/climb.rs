@@ -38,7 +38,7 @@ const LEVEL: f64 = 1e-13;
 const NEWTON: usize = 12;
 const ROUNDS: usize = 60;
 /// Where the cross leaves off at a kink, in spans, and half the window that is searched from there.
-const NEAR: f64 = 1e-3;
+const NEAR: f64 = 1e-6;
 const WINDOW: f64 = 8e-3;
 /// Windows looked at, each twice as wide, while the top is at the edge of the last.
 const WINDOWS: usize = 4;
@@ -134,9 +134,12 @@ impl Map {
             return None;
         }
         let smooth = top;
-        self.cross(&mut top, size_m, smooth.settled, &mut height);
-        // What Newton took for a top was none when a cross of steps finds better.
-        top.settled = smooth.settled && top.height_m - smooth.height_m <= 1e-12 * size_m;
+        let flat = self.cross(&mut top, size_m, smooth.settled, &mut height);
+        // What Newton took for a top was none when a cross of steps finds better; where curvature jumps, it finds none.
+        top.settled = match smooth.settled {
+            true => top.height_m - smooth.height_m <= 1e-12 * size_m,
+            false => flat,
+        };
         (top.settled || !at_edge(top.at)).then_some(top)
     }
 
@@ -222,14 +225,14 @@ impl Map {
         false
     }
 
-    /// Steps in sixteen directions, shorter when none leads up.
+    /// Steps in sixteen directions, shorter when none leads up. True when no step changes anything at the end.
     fn cross(
         &self,
         top: &mut ClimbTop,
         size_m: f64,
         settled: bool,
         height: &mut impl FnMut([f64; 2]) -> f64,
-    ) {
+    ) -> bool {
         // After Newton only to make sure; else from steps that reach the next sample.
         let mut step: f64 = if settled { 1e-5 } else { 0.05 };
         let mut lean = 0.0;
@@ -271,11 +274,15 @@ impl Map {
                 step = (2.0 * step).min(0.1);
                 continue;
             }
-            if change <= GAIN * size_m || step < if settled { 1e-9 } else { NEAR } {
+            if change <= GAIN * size_m {
+                return true;
+            }
+            if step < if settled { 1e-9 } else { NEAR } {
                 break;
             }
             step *= if settled { 0.1 } else { 0.4 };
         }
+        false
     }
 }
 

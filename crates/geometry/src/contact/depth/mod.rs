@@ -185,10 +185,7 @@ impl DepthSearch {
         });
         self.tops.truncate(MAX_CONTACTS);
         for k in 0..self.tops.len().min(MOST_FINISHED) {
-            let [u, v] = self.tops[k].at;
-            // Where edges of the solid are known, only creases of the surface have kinks of their own.
-            let kink = !edges_known || !surface.is_smooth_at(u, v);
-            if kink && !self.tops[k].settled {
+            if !self.tops[k].settled {
                 let mut top = self.tops[k];
                 self.map_at(top.at).finish(&mut top, self.size_m, depth);
                 top.settled = true;

@@ -220,6 +220,8 @@ pub(super) struct Stand {
     pub uphill: Vector3,
 }
 
+/// Of lengths, what a few operations on them may leave.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Doublings of the first step in search of the zero set.
 const DOUBLINGS: usize = 24;
 /// Steps of the safeguarded Newton method; bisection alone would be done after as many.
@@ -297,7 +299,7 @@ impl ImplicitTool {
         let (mut low, mut high) = (0.0, guess);
         let mut there = at(high);
         let mut doublings = 0;
-        while there.0 > 0.0 {
+        while there.0 > ROUNDING * (p.coords.amax() + f.abs()) {
             doublings += 1;
             if doublings > DOUBLINGS {
                 return None;
@@ -308,6 +310,11 @@ impl ImplicitTool {
         }
         if there.0.is_nan() {
             return None;
+        }
+        // A function that is the distance itself leaves only rounding.
+        if doublings == 0 && there.0.abs() <= ROUNDING * (p.coords.amax() + f.abs()) {
+            let depth_m = if f < 0.0 { high } else { -high };
+            return Some(Stand { depth_m, uphill });
         }
         // Newton from the far end, kept between a positive and a negative value.
         let mut t = high;
