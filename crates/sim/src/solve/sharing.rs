@@ -112,9 +112,20 @@ pub fn share(contacts: &mut [Share]) -> bool {
             }
         }
     };
+    let sum = |y: &Vector3| -> Vector3 {
+        let push = |c: &Share| c.normal * (c.weight_m * c.normal.dot(y).max(0.0));
+        contacts.iter().map(push).sum()
+    };
+    // What the stiffness of y itself took away is asked for once more.
+    let again = |y: &Vector3| {
+        let missing = total - sum(y);
+        multiplier(&(total + missing), weights, add)
+            .filter(|y| (total - sum(y)).norm() < missing.norm())
+    };
     let Some(y) = multiplier(&total, weights, add) else {
         return false;
     };
+    let y = again(&y).unwrap_or(y);
     for c in contacts.iter_mut() {
         c.force_n = c.weight_m * c.normal.dot(&y).max(0.0);
     }

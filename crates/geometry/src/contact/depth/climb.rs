@@ -34,6 +34,8 @@ const GAIN: f64 = 1e-12;
 const LEVEL_WINDOW: f64 = 1e-10;
 /// A second difference less than this of the size is none.
 const LEVEL: f64 = 1e-13;
+/// Halvings of a way between two sides of an edge.
+const HALVINGS: usize = 8;
 /// Newton steps, and steps of the cross.
 const NEWTON: usize = 12;
 const ROUNDS: usize = 60;
@@ -114,14 +116,14 @@ impl Map {
             .map(move |(a, b)| self.turn([x[0] + a * h[0], x[1] + b * h[1]]))
     }
 
-    /// The local maximum above a start; `None` where steps end `at_edge`. `height` gives −∞ where it means nothing;
-    /// `size_m`: what digits are relative to.
+    /// The local maximum above a start; `None` on an edge. `height` gives −∞ where it means nothing; `size_m`: what
+    /// digits are relative to; `is_edge`: whether an edge runs between two places near each other.
     pub fn climb(
         &self,
         start: [f64; 2],
         size_m: f64,
         mut height: impl FnMut([f64; 2]) -> f64,
-        at_edge: impl Fn([f64; 2]) -> bool,
+        is_edge: impl Fn([f64; 2], [f64; 2]) -> bool,
     ) -> Option<ClimbTop> {
         let mut top = ClimbTop {
             at: self.turn(start),
@@ -129,10 +131,7 @@ impl Map {
             settled: false,
         };
         top.height_m = height(top.at);
-        top.settled = self.newton(&mut top, size_m, &mut height);
-        if !top.settled && at_edge(top.at) {
-            return None;
-        }
+        top.settled = self.newton(&mut top, size_m, &mut height, &is_edge)?;
         let smooth = top;
         let flat = self.cross(&mut top, size_m, smooth.settled, &mut height);
         // What Newton took for a top was none when a cross of steps finds better; where curvature jumps, it finds none.
@@ -140,7 +139,8 @@ impl Map {
             true => top.height_m - smooth.height_m <= 1e-12 * size_m,
             false => flat,
         };
-        (top.settled || !at_edge(top.at)).then_some(top)
+        let between = |x| is_edge(top.at, x);
+        (top.settled || !self.around(top.at).any(between)).then_some(top)
     }
 
     /// Makes a top that is not settled exact.
@@ -172,15 +172,40 @@ impl Map {
         }
     }
 
-    /// True when it arrived where the depth is smooth and bent down.
+    /// An edge crosses the way between two places.
+    fn crosses_edge(
+        &self,
+        a: [f64; 2],
+        b: [f64; 2],
+        is_edge: &impl Fn([f64; 2], [f64; 2]) -> bool,
+    ) -> bool {
+        let (mut a, mut b) = (a, b);
+        for _ in 0..HALVINGS {
+            if !is_edge(a, b) {
+                return false;
+            }
+            let way = self.way(a, b);
+            let middle = self.turn([a[0] + 0.5 * way[0], a[1] + 0.5 * way[1]]);
+            if is_edge(a, middle) {
+                b = middle;
+            } else {
+                a = middle;
+            }
+        }
+        is_edge(a, b)
+    }
+
+    /// True when it arrived where the depth is smooth and bent down; `None` when it goes to and fro over an edge.
     fn newton(
         &self,
         top: &mut ClimbTop,
         size_m: f64,
         height: &mut impl FnMut([f64; 2]) -> f64,
-    ) -> bool {
+        is_edge: &impl Fn([f64; 2], [f64; 2]) -> bool,
+    ) -> Option<bool> {
         let h = self.spans.map(|s| DIFFERENCE * s);
         let mut radius = 0.25;
+        let mut crossed = 0;
         for _ in 0..NEWTON {
             let mut at =
                 |a: f64, b: f64| height(self.turn([top.at[0] + a * h[0], top.at[1] + b * h[1]]));
@@ -192,7 +217,7 @@ impl Map {
             let (way, bent) = uphill(&g, &bend, LEVEL * size_m);
             let (mut x, mut y) = (way.x, way.y);
             if !(x.is_finite() && y.is_finite()) {
-                return false;
+                return Some(false);
             }
             let limit = radius / DIFFERENCE;
             let longest = x.abs().max(y.abs());
@@ -201,11 +226,13 @@ impl Map {
             }
             let gain = g.x * x + g.y * y;
             if bent && gain.abs() <= GAIN * size_m {
-                return true;
+                return Some(true);
             }
+            let before = top.at;
+            let far = self.turn([before[0] + x * h[0], before[1] + y * h[1]]);
             let mut moved = false;
             for _ in 0..6 {
-                let next = self.turn([top.at[0] + x * h[0], top.at[1] + y * h[1]]);
+                let next = self.turn([before[0] + x * h[0], before[1] + y * h[1]]);
                 let value = height(next);
                 if value > top.height_m {
                     *top = ClimbTop {
@@ -218,11 +245,16 @@ impl Map {
                 }
                 (x, y, radius) = (0.25 * x, 0.25 * y, (0.25 * radius).max(1e-3));
             }
+            // Beyond an edge it falls, or leads back over it.
+            crossed += usize::from(moved && self.crosses_edge(before, top.at, is_edge));
+            if crossed > 1 || !moved && self.crosses_edge(before, far, is_edge) {
+                return None;
+            }
             if !moved {
-                return false;
+                return Some(false);
             }
         }
-        false
+        Some(false)
     }
 
     /// Steps in sixteen directions, shorter when none leads up. True when no step changes anything at the end.

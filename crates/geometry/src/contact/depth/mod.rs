@@ -161,14 +161,13 @@ impl DepthSearch {
             if known.any(|(at, level)| self.joined(start, at, level, depth)) {
                 continue;
             }
-            let at_edge = |x: [f64; 2]| {
-                edges_known
-                    && self.map.around(x).any(|beside| {
-                        let ways = [x, beside].map(|x| field.rough(&point(x)).1);
-                        ways[0].dot(&ways[1]) < EDGE
-                    })
+            let is_edge = |a: [f64; 2], b: [f64; 2]| {
+                edges_known && {
+                    let [a, b] = [a, b].map(|x| field.rough(&point(x)).1);
+                    a.dot(&b) < EDGE
+                }
             };
-            let Some(top) = self.climb(start, depth, at_edge) else {
+            let Some(top) = self.climb(start, depth, is_edge) else {
                 continue;
             };
             if top.height_m.is_nan() || top.height_m < -margin_m - 1e-3 * equal {
@@ -212,9 +211,9 @@ impl DepthSearch {
         &self,
         start: [f64; 2],
         depth: impl Fn([f64; 2]) -> f64,
-        at_edge: impl Fn([f64; 2]) -> bool,
+        is_edge: impl Fn([f64; 2], [f64; 2]) -> bool,
     ) -> Option<ClimbTop> {
-        let climb = |from| self.map_at(from).climb(from, self.size_m, &depth, &at_edge);
+        let climb = |from| self.map_at(from).climb(from, self.size_m, &depth, &is_edge);
         let mut top = climb(start)?;
         let Some(joints) = &self.joints else {
             return Some(top);
