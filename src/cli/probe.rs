@@ -257,7 +257,7 @@ fn probe(scene: &Scene, tool: usize, pose: &DevicePose) -> ProbeRow {
     for k in 1..=strides {
         out = run(start + way * (k as f64 / strides as f64));
     }
-    let (mut settled, mut ticks, mut before) = (!deforming, 0, out.tools[tool].force_n);
+    let (mut settled, mut ticks, mut before) = (false, 0, out.tools[tool].force_n);
     while !settled && ticks < PATIENCE {
         for _ in 0..WINDOW {
             out = run(pose.position);

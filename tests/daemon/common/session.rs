@@ -199,7 +199,6 @@ pub fn record_lying(
             output,
             late_ns: tick % 7,
             stage_ns: [1, 20, 250, 50, 4].into(),
-            ..Default::default()
         };
         lie(&mut record);
         nets.begin();
