@@ -115,8 +115,9 @@ impl ContactRow {
 /// At rest: the force changes by less than this share of itself (plus 1 µN) over [`WINDOW`] ticks.
 const SETTLED: f64 = 1e-5;
 const WINDOW: u64 = 50;
-/// Ticks per pose after which settling is given up.
+/// Ticks per pose after which settling is given up: where bodies deform, and where none does and nothing swings.
 const PATIENCE: u64 = 20_000;
+const RIGID_PATIENCE: u64 = 1_000;
 /// Stride towards a pose, m a tick: slow enough for a deforming body to follow.
 const STRIDE_M: f64 = 1e-4;
 /// Longest way, m.
@@ -257,8 +258,9 @@ fn probe(scene: &Scene, tool: usize, pose: &DevicePose) -> ProbeRow {
     for k in 1..=strides {
         out = run(start + way * (k as f64 / strides as f64));
     }
-    let (mut settled, mut ticks, mut before) = (!deforming, 0, out.tools[tool].force_n);
-    while !settled && ticks < PATIENCE {
+    let (mut settled, mut ticks, mut before) = (false, 0, out.tools[tool].force_n);
+    let patience = if deforming { PATIENCE } else { RIGID_PATIENCE };
+    while !settled && ticks < patience {
         for _ in 0..WINDOW {
             out = run(pose.position);
         }

@@ -93,7 +93,7 @@ impl LoopCheck {
         }
         self.since_news = match record.input.poses[0] {
             Some(_) => 0,
-            None => self.since_news.saturating_add(1),
+            None => (self.since_news.saturating_add(1)).saturating_add(record.input.skipped.into()),
         };
         if self.since_news > self.silent_ticks && force_n > 0.0 {
             return Err(format!(

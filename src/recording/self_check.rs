@@ -64,6 +64,8 @@ struct Batch {
     hash: u64,
     /// (ticks × tools).
     poses: Vec<Option<DevicePose>>,
+    /// (ticks): deadlines dropped before them.
+    skipped: Vec<u32>,
     /// (ticks): of the states after them.
     hashes: Vec<u64>,
     commands: Vec<(u64, Command)>,
@@ -118,6 +120,7 @@ impl SelfCheck {
                 tick: 0,
                 hash: 0,
                 poses: Vec::with_capacity(every * tools),
+                skipped: Vec::with_capacity(every),
                 hashes: Vec::with_capacity(every),
                 commands: Vec::with_capacity(MAX_COMMANDS),
             };
@@ -166,6 +169,7 @@ impl SelfCheckPort {
         batch.saved.save_from(state);
         (batch.tick, batch.hash) = (state.tick, hash);
         batch.poses.clear();
+        batch.skipped.clear();
         batch.hashes.clear();
         batch.commands.clear();
         self.filling = Some(batch);
@@ -179,6 +183,7 @@ impl Journal for SelfCheckPort {
             None => drop(self.shared.unchecked.fetch_add(1, Ordering::Relaxed)),
             Some(batch) => {
                 batch.poses.extend(record.input.poses.first(self.tools));
+                batch.skipped.push(record.input.skipped);
                 batch.hashes.push(record.output.state_hash);
                 if batch.hashes.len() == self.every
                     && let Some(batch) = self.filling.take()
@@ -224,6 +229,7 @@ impl SelfCheckPort {
     fn give_back(&mut self, mut batch: Box<Batch>) {
         batch.hashes.clear();
         batch.poses.clear();
+        batch.skipped.clear();
         batch.commands.clear();
         let _ = self.full.push(batch);
     }
@@ -304,7 +310,10 @@ fn check(rerun: &mut Rerun, batch: &Batch) -> Option<SelfDifference> {
             rerun.command(*command);
             commands = rest;
         }
-        let mut input = TickInput::default();
+        let mut input = TickInput {
+            skipped: batch.skipped[k],
+            ..TickInput::default()
+        };
         input.poses.set(&batch.poses[k * tools..(k + 1) * tools]);
         let output = rerun.tick(&input);
         if output.state_hash != hash {

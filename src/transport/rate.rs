@@ -1,9 +1,7 @@
 //! Whether the loop keeps its rate, by the clock.
 //!
-//! A loop counts time in ticks: at a thirtieth of its rate a pose is stale after a second and a half,
-//! and a coupling with 1 ms between poses and forces is stiffer than any hand can hold with 30 ms. Below
-//! half the rate forces therefore fade here, on their way to devices; the simulation and its recording
-//! go on as they are.
+//! A coupling with 1 ms between poses and forces is stiffer than any hand can hold with 30 ms. Below half the
+//! rate forces therefore fade here, on their way to devices; the simulation and its recording go on as they are.
 
 use std::time::{Duration, Instant};
 

@@ -816,3 +816,55 @@ fn scans_in_ply_and_gltf_are_imported() {
         );
     }
 }
+
+// Nothing deforms, and still the force is there only when the tool has come to rest.
+#[test]
+fn a_probe_of_a_rigid_body_waits_until_the_force_has_settled() {
+    let directory = tempfile::tempdir().unwrap();
+    let mut random = palpate_geometry::math::Random(8);
+    for (shape, low_m) in [
+        ("cylinder = { radius_m = 0.01, half_length_m = 0.01 }", 0.01),
+        ("box = { half_extents_m = [0.02, 0.01, 0.005] }", 0.005),
+        ("cone = { half_angle_rad = 0.4, height_m = 0.02 }", 0.0),
+        ("sphere = { radius_m = 0.007 }", 0.007),
+        ("point = {}", 0.0),
+    ] {
+        let scene = format!(
+            "[[body]]\nid = \"sheet\"\nsurface = {{ builtin = \"sheet\", size = 0.2 }}\n\
+             [[tool]]\nid = \"t\"\nshape = {{ {shape} }}\npose = {{ position = [0.0, 0.0, 0.05] }}\n"
+        );
+        std::fs::write(directory.path().join("scene.toml"), scene).unwrap();
+        let depths: [f64; 4] = std::array::from_fn(|_| random.float(1e-4, 6e-3));
+        let place = |random: &mut palpate_geometry::math::Random| random.float(-0.03, 0.03);
+        let line = |depth: &f64| {
+            let (x, y) = (place(&mut random), place(&mut random));
+            format!("{x},{y},{}\n", low_m - depth)
+        };
+        let poses: String = depths.iter().map(line).collect();
+        std::fs::write(directory.path().join("at.csv"), poses).unwrap();
+        let output = palpate(
+            directory.path(),
+            &["probe", "scene.toml", "--poses", "at.csv", "--json"],
+        );
+        let text = String::from_utf8_lossy(&output.stdout);
+        let rows: Vec<Value> = text
+            .lines()
+            .map(|line| serde_json::from_str(line).unwrap())
+            .collect();
+        assert_eq!(
+            rows.len(),
+            depths.len(),
+            "{shape}: {text}{}",
+            words(&output)
+        );
+        for (row, depth) in rows.iter().zip(depths) {
+            let force = row["force"][2].as_f64().unwrap();
+            assert_eq!(row["settled"], true, "{shape} {depth} m: {row}");
+            let error = force / (1_000.0 * depth) - 1.0;
+            assert!(
+                error.abs() < 1e-4,
+                "{shape} {depth} m deep: {force} N, {row}"
+            );
+        }
+    }
+}

@@ -1,4 +1,4 @@
-"""Holds a tool and prints what its forces would do to a hand, N, a line a millisecond: as the callback of Tool.run is
+"""Holds a tool and prints what its forces would do to a hand, N, 250 lines a second: as the callback of Tool.run is
 given them, as Tool.force has them, and as the newest of a stream. felt.py ENDPOINT TOOL X Y Z"""
 
 import math
@@ -29,7 +29,7 @@ def main():
             print(size(force), size(held.force), streamed[0], flush=True)
             return place
 
-        held.run(step, rate=1000.0)
+        held.run(step, rate=250.0)
 
 
 try:

@@ -121,7 +121,7 @@ pub const COUNTS: &[Count] = &[
     },
     Count {
         name: "skipped",
-        read: |record, _| u64::from(record.skipped),
+        read: |record, _| u64::from(record.input.skipped),
     },
     Count {
         name: "step_ns",

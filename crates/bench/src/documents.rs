@@ -357,6 +357,24 @@ mod tests {
     }
 
     #[test]
+    fn a_table_of_other_inputs_is_stale_and_one_of_these_is_not() {
+        let tables = tables();
+        let table = &tables[0];
+        let of = |stamp: &str| {
+            let text = format!("{BEGIN}{}; {stamp} -->\n\n{END}\n", table.name);
+            state(table, &text, &root()).unwrap().words()
+        };
+        let now = inputs(table, &root()).unwrap();
+        assert_eq!(
+            of(&format!("measured at 1a2b3c4d; inputs {now}")),
+            "as measured"
+        );
+        assert_eq!(of("measured at 1a2b3c4d; inputs 0123456789abcdef"), "stale");
+        assert_eq!(of("measured at 1a2b3c4d"), "stale");
+        assert_eq!(of(PENDING), PENDING);
+    }
+
+    #[test]
     fn a_table_is_replaced_and_nothing_else() {
         let text =
             "a\n\n<!-- figures: x; to be measured -->\n\n| old |\n\n<!-- end of figures -->\n\nb\n";

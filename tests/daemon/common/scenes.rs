@@ -3,7 +3,7 @@
 /// A rigid drop and a ball beside it: a scene of the program.
 pub const RIGID_TEARDROP: &str = include_str!("../../../scenes/rigid-teardrop.toml");
 
-/// The same without damping, with a keyframe every 0.2 s: for recordings.
+/// The same scene without damping. A recording of it has a keyframe every 0.2 s.
 pub const RIGID: &str = r#"
 name = "rigid-teardrop"
 [[body]]

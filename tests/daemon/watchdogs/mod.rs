@@ -23,15 +23,18 @@ use table::*;
 const FELT: f64 = 0.4;
 /// After an event.
 const WATCHED: Duration = Duration::from_millis(400);
-/// Looks of a millisecond at both ends, pipes, pictures of 16 ms; and three times what a bare timer was late, and
-/// what threads of the daemons and of this process waited for a processor.
+/// For traces that look each millisecond, ticks of 4 ms, pipes and pictures of 16 ms.
 const ALLOWANCE: Duration = Duration::from_millis(25);
+/// Most that is allowed for a busy machine: three times what a bare timer was late, and what threads of the daemons and
+/// of this process waited for a processor.
+const MOST_BUSY: Duration = Duration::from_millis(75);
 /// An attempt in which this machine was busier than its timer says is made again.
 const ATTEMPTS: usize = 3;
 
 fn scene(tools: &[&str]) -> String {
+    // With all clients at 1 kHz two slow cores cannot keep the rate, and a loop that cannot sends no force.
     let mut text =
-        "[[body]]\nid = \"ball\"\nsurface = { builtin = \"sphere\", size = 0.02 }\n".to_owned();
+        "[loop]\nrate_hz = 250\n[[body]]\nid = \"ball\"\nsurface = { builtin = \"sphere\", size = 0.02 }\n".to_owned();
     for tool in tools {
         let _ = write!(
             text,
@@ -268,7 +271,7 @@ impl Rig {
         let waits: Duration = waits
             .map(|(&process, before)| longest_wait(process, before))
             .sum();
-        let allowed = ALLOWANCE + 3 * self.probe.worst_since(at) + waits;
+        let allowed = ALLOWANCE + MOST_BUSY.min(3 * self.probe.worst_since(at) + waits);
         for (name, trace) in ends {
             table.note(name, event, trace.zero_after(at), allowed);
         }
@@ -319,7 +322,7 @@ impl Rig {
         self.device.0.wait().unwrap();
         let silences = silences(&self._files.path().join("device.csv"));
         for (event, at, silence) in [(STOPPED, at_stop, 0), (KILLED, at_kill, 1)] {
-            let allowed = ALLOWANCE + 3 * self.probe.worst_since(at);
+            let allowed = ALLOWANCE + MOST_BUSY.min(3 * self.probe.worst_since(at));
             table.note(DEVICE, event, silences.get(silence).copied(), allowed);
         }
         table.skipped.clone_from(&self.skipped);

@@ -301,6 +301,23 @@ pub(super) fn tables() -> Vec<Table> {
             )
         },
         rows(
+            "merge times",
+            "docs/merge.md",
+            &[Rows(
+                Suite::Modeling,
+                &[
+                    ("merge/case*", "constrained*"),
+                    ("merge/case*", "seed C2 from scratch"),
+                ],
+            )],
+            &[Median],
+            &[
+                "crates/bench/src/modeling/merge.rs",
+                "crates/modeling/src/merge",
+                GEOMETRY,
+            ],
+        ),
+        rows(
             "random merges",
             "docs/merge.md",
             &[Rows(Suite::Modeling, &[("merge/random100", "*")])],

@@ -45,7 +45,7 @@ pub struct Link {
     pub phase: LinkPhase,
     /// The pose in effect; of no meaning while absent.
     pub pose: DevicePose,
-    /// Its age, ticks, with those that were dropped.
+    /// Its age, ticks; those that the loop dropped count.
     pub age_ticks: u32,
     /// What the force may be now, N.
     pub limit_n: f64,
@@ -81,26 +81,24 @@ impl Default for Link {
 }
 
 impl Link {
-    /// Lets so many ticks pass that there was no time for: as if nothing had come in them, but that no
-    /// limit grows.
+    /// Accounts for ticks that the loop dropped: the pose ages and its force fades as if nothing had come in
+    /// them; no limit grows. Whether the holder was silent is known in the next tick: one who was not moves the
+    /// tool on from where it is, and stays on the side of a sheet that it was on.
     pub fn pass(&mut self, ticks: u32, limits: &LinkLimits, wanted: bool) {
         let until_stale = limits.stale_ticks.saturating_sub(self.age_ticks);
-        let before = if self.phase == LinkPhase::Live {
-            ticks.min(until_stale)
-        } else {
-            ticks
+        let fresh = match self.phase {
+            LinkPhase::Live => ticks.min(until_stale),
+            _ => 0,
         };
-        self.fade(before, limits, wanted);
         self.age_ticks = self.age_ticks.saturating_add(ticks);
-        if self.phase == LinkPhase::Live && self.age_ticks > limits.stale_ticks {
-            self.phase = LinkPhase::Stale;
-        }
-        self.fade(ticks - before, limits, wanted);
+        self.fade(fresh, self.goal_n(limits, wanted), limits);
+        self.fade(ticks - fresh, 0.0, limits);
     }
 
-    fn fade(&mut self, ticks: u32, limits: &LinkLimits, wanted: bool) {
-        let goal = self.goal_n(limits, wanted).min(self.limit_n);
-        self.limit_n = (self.limit_n - limits.ramp_n * f64::from(ticks)).max(goal);
+    /// Lowers the limit, N, for so many ticks, at most to a goal.
+    fn fade(&mut self, ticks: u32, goal_n: f64, limits: &LinkLimits) {
+        let least_n = goal_n.min(self.limit_n);
+        self.limit_n = (self.limit_n - limits.ramp_n * f64::from(ticks)).max(least_n);
     }
 
     /// Takes this tick's pose, if any, and moves the force limit towards its goal. `wanted`: forces
@@ -115,7 +113,12 @@ impl Link {
         self.age_ticks = self.age_ticks.saturating_add(1);
         if let Some(new) = new {
             let stride = (new.position - self.pose.position).norm();
-            let plausible = stride <= limits.stride_max_m * f64::from(self.age_ticks);
+            // Over a longer stall a hand may have gone anywhere: what is far then is a new place.
+            let ticks = match self.phase {
+                LinkPhase::Live => self.age_ticks.min(limits.stale_ticks.saturating_add(1)),
+                _ => self.age_ticks,
+            };
+            let plausible = stride <= limits.stride_max_m * f64::from(ticks);
             let faded =
                 self.limit_n == 0.0 && matches!(self.phase, LinkPhase::Stale | LinkPhase::Jumped);
             if !new.is_somewhere() {
@@ -306,7 +309,14 @@ mod tests {
             stalled.admit(Some(&at(0.0, seq)), &LIMITS, true);
         }
         stalled.pass(u32::MAX, &LIMITS, true);
-        assert_eq!((stalled.phase, stalled.limit_n), (LinkPhase::Stale, 0.0));
+        assert_eq!(stalled.limit_n, 0.0);
+        // A hand that went on meanwhile moves the tool on, and its force begins anew; one that is elsewhere is seated
+        // there with the next pose.
+        let mut elsewhere = stalled;
+        let admission = stalled.admit(Some(&at(0.3, 21)), &LIMITS, true);
+        assert_eq!((admission, stalled.limit_n), (Admission::default(), 1.0));
+        assert!(elsewhere.admit(Some(&at(1.0, 21)), &LIMITS, true).refused);
+        assert!(elsewhere.admit(Some(&at(1.0, 22)), &LIMITS, true).seated);
     }
 
     #[test]

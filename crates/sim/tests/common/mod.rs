@@ -97,6 +97,14 @@ impl World {
         self.all_in_place(tools).clone()
     }
 
+    /// [`World::at`] after so many dropped deadlines.
+    pub fn late(&mut self, skipped: u32, position: [f64; 3]) -> TickOutput {
+        self.record.input.skipped = skipped;
+        let output = self.at(position);
+        self.record.input.skipped = 0;
+        output
+    }
+
     /// One tick without news.
     pub fn silent(&mut self) -> TickOutput {
         self.silent_in_place().clone()

@@ -397,3 +397,40 @@ fn no_tool_passes_a_rigid_sheet_however_fast_it_comes() {
         }
     }
 }
+
+// The loop stands still while a hand presses on an open sheet: the force is gone for that long, comes back by its ramp, and the
+// tool is still above.
+#[test]
+fn a_loop_that_stalls_lets_no_tool_through_a_sheet() {
+    for shape in [
+        "{ point = {} }",
+        "{ sphere = { radius_m = 0.002 } }",
+        "{ ellipsoid = { semi_axes_m = [0.004, 0.003, 0.002] } }",
+    ] {
+        let mut world = World::new(&format!(
+            "[[body]]\nid = \"sheet\"\nsurface = {{ builtin = \"sheet\", size = 0.1 }}\n[[tool]]\nid = \"t\"\nshape = {shape}\n\
+             pose = {{ position = [0.0, 0.0, 0.03] }}\ncoupling = {{ stiffness_n_m = 1000.0 }}\n"
+        ));
+        let deep = [0.0, 0.0, -0.002];
+        let way = |k: u32| [0.0, 0.0, 0.03 - 0.032 * f64::from(k) / 200.0];
+        (1..=200).for_each(|k| drop(world.at(way(k))));
+        let pressed = (0..50).map(|_| world.at(deep)).last().unwrap().tools[0];
+        assert!(pressed.force_n.z > 1.9, "{shape}: {}", pressed.force_n);
+        for skipped in [30, 60, 100, 10_000] {
+            let first = world.late(skipped, deep).tools[0];
+            let faded = skipped > 50 + 20;
+            let share = first.force_n.norm() / pressed.force_n.norm();
+            assert!(
+                share <= 1.0 + 1e-9 && (!faded || share < 0.5),
+                "{shape}, {skipped}: {share}"
+            );
+            let after = (0..50).map(|_| world.at(deep)).last().unwrap().tools[0];
+            let change = (after.force_n - pressed.force_n).norm();
+            assert!(
+                change < 1e-6 * pressed.force_n.norm(),
+                "{shape}, {skipped}: {}",
+                after.force_n
+            );
+        }
+    }
+}

@@ -77,3 +77,17 @@ fn a_wrong_figure_is_said_and_counted() {
         "{text}"
     );
 }
+
+#[test]
+fn energy_from_nowhere_is_said() {
+    // A weight that the count does not know of.
+    let slab = slab::Slab {
+        scene: "[gravity]\nacceleration = [0.0, 0.0, -9.81]".to_owned(),
+        ..slab::Slab::new(SPRINGS[0])
+    };
+    let mut run = slab.run().unwrap();
+    run.stay([0.0, 0.0, 1.0], 100);
+    let row = run.done().unwrap();
+    let said = |words: &str| row.wrong.iter().any(|wrong| wrong.contains(words));
+    assert!(said("came from nowhere"), "{row:?}");
+}
