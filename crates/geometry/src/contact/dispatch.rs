@@ -272,8 +272,7 @@ impl Narrow {
                     if let Some(search) = features {
                         search.find(tool.features(), pose, surface, solver, &reach);
                     }
-                    let known = features.is_some();
-                    found.contacts(surface, solver, tool, pose, &reach, known, set);
+                    found.contacts(surface, solver, tool, pose, &reach, set);
                     if let Some(search) = features {
                         search.join(tool.features(), pose, surface, solver, &reach, set);
                     }
@@ -289,8 +288,7 @@ impl Narrow {
                     if let Some(search) = features {
                         search.find(tool.features(), pose, surface, solver, &reach);
                     }
-                    let known = features.is_some();
-                    found.contacts(surface, solver, tool, pose, &reach, known, set);
+                    found.contacts(surface, solver, tool, pose, &reach, set);
                     if let Some(search) = features {
                         search.join(tool.features(), pose, surface, solver, &reach, set);
                     }

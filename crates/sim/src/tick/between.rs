@@ -46,7 +46,7 @@ pub(super) fn bodies(
         return;
     };
     let proxy = &mut state.pairs[p].proxy;
-    if my_body.two_sided && !proxy.touching {
+    if my_body.two_sided && their_body.two_sided && !proxy.touching {
         let corner = theirs.surface.net().points()[0];
         let moved_m = state.bodies[pair.body].moved_m;
         mine.sided(my_body).look(&corner, moved_m, proxy);
@@ -74,6 +74,13 @@ pub(super) fn bodies(
     if !contacts.is_empty() {
         proxy.touch();
     }
+    // The side of a sheet belongs to the place where it is touched.
+    let side_of = |near: &Contact| match my_body.two_sided {
+        true => (near.normal)
+            .dot(&mine.surface.normal(near.u, near.v))
+            .signum(),
+        false => 1.0,
+    };
     let views = [view(my_body, mine), view(their_body, theirs)];
     let steps = [mine.step, theirs.step];
     let free = mine.gives().is_some() || theirs.gives().is_some();
@@ -121,17 +128,18 @@ pub(super) fn bodies(
     }
     if let Some(view) = views[1].as_ref().filter(|_| !contacts.is_empty()) {
         let bounds = mine.bounds;
-        let side = reach.side();
         let look = |x: &Point3| {
             let near = nearest(contacts, x, |c| (x - c.on_body).dot(&c.normal) < margin)?;
             let foot = mine.solver.local(&mine.surface, x, near.u, near.v)?;
+            let side = side_of(near);
             let gap_m = side * foot.signed_distance;
             let seen = Facing {
                 gap_m,
                 normal: -foot.normal * side,
                 uv: [foot.u, foot.v],
             };
-            if free {
+            // Beside a rim nothing is deep.
+            if free || my_body.two_sided {
                 return straight(x, seen, side, &mine.surface, &mine.solver);
             }
             Some(seen)
@@ -186,7 +194,7 @@ pub(super) fn bodies(
             .gives()
             .copied()
             .filter(|_| views.iter().all(Option::is_none)),
-        side: reach.side(),
+        side: contacts.first().map_or(1.0, side_of),
     };
     let warm = &state.warm[..state.warm_len];
     meeting.push_feet(rows, contacts, warm);

@@ -34,8 +34,8 @@ const GAIN: f64 = 1e-12;
 const LEVEL_WINDOW: f64 = 1e-10;
 /// A second difference less than this of the size is none.
 const LEVEL: f64 = 1e-13;
-/// Halvings of a way between two sides of an edge.
-const HALVINGS: usize = 8;
+/// Steps one after the other that may end beyond where the height means something.
+const PATIENCE: usize = 1;
 /// Newton steps, and steps of the cross.
 const NEWTON: usize = 12;
 const ROUNDS: usize = 60;
@@ -108,22 +108,14 @@ impl Map {
         })
     }
 
-    /// Places beside one, a difference away.
-    pub fn around(&self, x: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
-        let h = self.spans.map(|s| DIFFERENCE * s);
-        [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)]
-            .into_iter()
-            .map(move |(a, b)| self.turn([x[0] + a * h[0], x[1] + b * h[1]]))
-    }
-
-    /// The local maximum above a start; `None` on an edge. `height` gives −∞ where it means nothing; `size_m`: what
-    /// digits are relative to; `is_edge`: whether an edge runs between two places near each other.
+    /// The local maximum above a start. `height` gives −∞ where it means nothing; `size_m`: what digits are relative to;
+    /// `beyond`: where the height is no longer that of the solid. `None` where the top is there.
     pub fn climb(
         &self,
         start: [f64; 2],
         size_m: f64,
         mut height: impl FnMut([f64; 2]) -> f64,
-        is_edge: impl Fn([f64; 2], [f64; 2]) -> bool,
+        beyond: impl Fn([f64; 2]) -> bool,
     ) -> Option<ClimbTop> {
         let mut top = ClimbTop {
             at: self.turn(start),
@@ -131,16 +123,15 @@ impl Map {
             settled: false,
         };
         top.height_m = height(top.at);
-        top.settled = self.newton(&mut top, size_m, &mut height, &is_edge)?;
+        top.settled = self.newton(&mut top, size_m, &mut height, &beyond)?;
         let smooth = top;
-        let flat = self.cross(&mut top, size_m, smooth.settled, &mut height);
+        let flat = self.cross(&mut top, size_m, smooth.settled, &mut height, &beyond)?;
         // What Newton took for a top was none when a cross of steps finds better; where curvature jumps, it finds none.
         top.settled = match smooth.settled {
-            true => top.height_m - smooth.height_m <= 1e-12 * size_m,
+            true => top.height_m - smooth.height_m <= LEVEL_WINDOW * size_m,
             false => flat,
         };
-        let between = |x| is_edge(top.at, x);
-        (top.settled || !self.around(top.at).any(between)).then_some(top)
+        (!beyond(top.at)).then_some(top)
     }
 
     /// Makes a top that is not settled exact.
@@ -172,40 +163,17 @@ impl Map {
         }
     }
 
-    /// An edge crosses the way between two places.
-    fn crosses_edge(
-        &self,
-        a: [f64; 2],
-        b: [f64; 2],
-        is_edge: &impl Fn([f64; 2], [f64; 2]) -> bool,
-    ) -> bool {
-        let (mut a, mut b) = (a, b);
-        for _ in 0..HALVINGS {
-            if !is_edge(a, b) {
-                return false;
-            }
-            let way = self.way(a, b);
-            let middle = self.turn([a[0] + 0.5 * way[0], a[1] + 0.5 * way[1]]);
-            if is_edge(a, middle) {
-                b = middle;
-            } else {
-                a = middle;
-            }
-        }
-        is_edge(a, b)
-    }
-
-    /// True when it arrived where the depth is smooth and bent down; `None` when it goes to and fro over an edge.
+    /// True when it arrived where the depth is smooth and bent down; `None` when it leads beyond.
     fn newton(
         &self,
         top: &mut ClimbTop,
         size_m: f64,
         height: &mut impl FnMut([f64; 2]) -> f64,
-        is_edge: &impl Fn([f64; 2], [f64; 2]) -> bool,
+        beyond: &impl Fn([f64; 2]) -> bool,
     ) -> Option<bool> {
         let h = self.spans.map(|s| DIFFERENCE * s);
         let mut radius = 0.25;
-        let mut crossed = 0;
+        let mut out = 0;
         for _ in 0..NEWTON {
             let mut at =
                 |a: f64, b: f64| height(self.turn([top.at[0] + a * h[0], top.at[1] + b * h[1]]));
@@ -225,13 +193,11 @@ impl Map {
                 (x, y) = (x * limit / longest, y * limit / longest);
             }
             let gain = g.x * x + g.y * y;
-            if bent && gain.abs() <= GAIN * size_m {
-                return Some(true);
-            }
+            // Depth is exact before its place is: this step is the last.
+            let last = bent && gain.abs() <= LEVEL_WINDOW * size_m;
             let before = top.at;
-            let far = self.turn([before[0] + x * h[0], before[1] + y * h[1]]);
             let mut moved = false;
-            for _ in 0..6 {
+            for _ in 0..if last { 1 } else { 6 } {
                 let next = self.turn([before[0] + x * h[0], before[1] + y * h[1]]);
                 let value = height(next);
                 if value > top.height_m {
@@ -245,9 +211,12 @@ impl Map {
                 }
                 (x, y, radius) = (0.25 * x, 0.25 * y, (0.25 * radius).max(1e-3));
             }
-            // Beyond an edge it falls, or leads back over it.
-            crossed += usize::from(moved && self.crosses_edge(before, top.at, is_edge));
-            if crossed > 1 || !moved && self.crosses_edge(before, far, is_edge) {
+            if last {
+                return Some(true);
+            }
+            // One step may be too long.
+            out = if beyond(top.at) { out + 1 } else { 0 };
+            if out > PATIENCE {
                 return None;
             }
             if !moved {
@@ -257,17 +226,20 @@ impl Map {
         Some(false)
     }
 
-    /// Steps in sixteen directions, shorter when none leads up. True when no step changes anything at the end.
+    /// Steps in sixteen directions, shorter when none leads up. True when no step changes anything at the end; `None`
+    /// when it leads beyond.
     fn cross(
         &self,
         top: &mut ClimbTop,
         size_m: f64,
         settled: bool,
         height: &mut impl FnMut([f64; 2]) -> f64,
-    ) -> bool {
+        beyond: &impl Fn([f64; 2]) -> bool,
+    ) -> Option<bool> {
         // After Newton only to make sure; else from steps that reach the next sample.
         let mut step: f64 = if settled { 1e-5 } else { 0.05 };
         let mut lean = 0.0;
+        let mut out = 0;
         for _ in 0..ROUNDS {
             let before = *top;
             let mut change: f64 = 0.0;
@@ -303,18 +275,22 @@ impl Map {
             // Directions turn by the golden angle, so that a ridge is met from every side.
             lean += 2.399_963_229_728_653;
             if top.height_m > before.height_m {
+                out = if beyond(top.at) { out + 1 } else { 0 };
+                if out > PATIENCE {
+                    return None;
+                }
                 step = (2.0 * step).min(0.1);
                 continue;
             }
             if change <= GAIN * size_m {
-                return true;
+                return Some(true);
             }
             if step < if settled { 1e-9 } else { NEAR } {
                 break;
             }
             step *= if settled { 0.1 } else { 0.4 };
         }
-        false
+        Some(false)
     }
 }
 

@@ -29,8 +29,6 @@ const MOST_FINISHED: usize = 12;
 /// not yet.
 const SAME: f64 = 1e-9;
 const SAME_ROUGHLY: f64 = 1e-5;
-/// Ways out that differ by more than 6° beside a place have an edge of the solid between them.
-const EDGE: f64 = 0.995;
 /// Tops nearer to each other than this, of the size, on two sides of a joint are one.
 const ONE_PLACE: f64 = 1e-5;
 /// How far over a joint is looked, of the patch there, and how many of them a climb crosses.
@@ -50,6 +48,12 @@ pub(super) trait DepthField {
     fn rough(&self, p: &Point3) -> (f64, Vector3);
     /// Depth, m, negative outside; −∞ where it means nothing.
     fn depth_m(&self, p: &Point3) -> f64;
+    /// The smooth side from which the depth of a point counts, where it is known.
+    fn side(&self, p: &Point3) -> Option<usize>;
+    /// How far a point is below a side that goes on beyond its edges, m.
+    fn depth_below(&self, side: usize, p: &Point3) -> f64;
+    /// All its edges are known: none is looked for.
+    fn edges_known(&self) -> bool;
 }
 
 /// Scratch against one surface, sized once. Nothing in it outlives a query.
@@ -129,14 +133,13 @@ impl DepthSearch {
     }
 
     /// Fills `tops` with the local maxima of depth that are no farther outside than the margin; one
-    /// of each set that a way of equal depth joins. Where the solid's `edges_known`, none is looked for at them.
+    /// of each set that a way of equal depth joins. On a side that is known, of which only those that are not at its edges.
     pub fn search(
         &mut self,
         surface: &Surface,
         solver: &mut ClosestSolver,
         field: &impl DepthField,
         margin_m: f64,
-        edges_known: bool,
         out: &mut ContactSet,
     ) {
         self.tops.clear();
@@ -147,7 +150,7 @@ impl DepthSearch {
         self.sample(surface, solver, field);
         let point = |x: [f64; 2]| surface.point(x[0], x[1]);
         let depth = |x: [f64; 2]| field.depth_m(&point(x));
-        self.pick(margin_m, !edges_known, depth, out);
+        self.pick(margin_m, !field.edges_known(), depth, out);
         let equal = SAME * self.size_m;
         for k in 0..self.starts.0.len() {
             let start = self.starts.0[k].1;
@@ -161,13 +164,13 @@ impl DepthSearch {
             if known.any(|(at, level)| self.joined(start, at, level, depth)) {
                 continue;
             }
-            let is_edge = |a: [f64; 2], b: [f64; 2]| {
-                edges_known && {
-                    let [a, b] = [a, b].map(|x| field.rough(&point(x)).1);
-                    a.dot(&b) < EDGE
-                }
+            let side = self.side_at(start, field, &point);
+            let height = |x: [f64; 2]| match side {
+                Some(side) => field.depth_below(side, &point(x)),
+                None => depth(x),
             };
-            let Some(top) = self.climb(start, depth, is_edge) else {
+            let beyond = |x: [f64; 2]| side.is_some() && !self.is_same(height(x), depth(x));
+            let Some(top) = self.climb(start, height, beyond) else {
                 continue;
             };
             if top.height_m.is_nan() || top.height_m < -margin_m - 1e-3 * equal {
@@ -186,7 +189,12 @@ impl DepthSearch {
         for k in 0..self.tops.len().min(MOST_FINISHED) {
             if !self.tops[k].settled {
                 let mut top = self.tops[k];
-                self.map_at(top.at).finish(&mut top, self.size_m, depth);
+                let side = self.side_at(top.at, field, &point);
+                self.map_at(top.at)
+                    .finish(&mut top, self.size_m, |x| match side {
+                        Some(side) => field.depth_below(side, &point(x)),
+                        None => depth(x),
+                    });
                 top.settled = true;
                 self.tops[k] = top;
             }
@@ -206,14 +214,30 @@ impl DepthSearch {
         })
     }
 
-    /// Climbs, going on over joints while that leads up; `None`: to an edge that is known.
+    fn is_same(&self, a_m: f64, b_m: f64) -> bool {
+        (a_m - b_m).abs() <= SAME * self.size_m
+    }
+
+    /// The side on which a climb from a place goes, if it is known and the depth there is that below it.
+    fn side_at(
+        &self,
+        at: [f64; 2],
+        field: &impl DepthField,
+        point: impl Fn([f64; 2]) -> Point3,
+    ) -> Option<usize> {
+        let p = point(at);
+        let below = |side: &usize| self.is_same(field.depth_below(*side, &p), field.depth_m(&p));
+        field.side(&p).filter(below)
+    }
+
+    /// Climbs, going on over joints while that leads up; `None`: beyond the edge of a side.
     fn climb(
         &self,
         start: [f64; 2],
         depth: impl Fn([f64; 2]) -> f64,
-        is_edge: impl Fn([f64; 2], [f64; 2]) -> bool,
+        beyond: impl Fn([f64; 2]) -> bool,
     ) -> Option<ClimbTop> {
-        let climb = |from| self.map_at(from).climb(from, self.size_m, &depth, &is_edge);
+        let climb = |from| self.map_at(from).climb(from, self.size_m, &depth, &beyond);
         let mut top = climb(start)?;
         let Some(joints) = &self.joints else {
             return Some(top);

@@ -7,6 +7,8 @@ use crate::math::{Point3, Vector3};
 
 /// Sides of a mesh that meet at less than this angle are one smooth side: the cosine of 1°.
 const SHARP: f64 = 0.999_847_695_156_391_3;
+/// The sine of an angle that is none.
+const LEVEL: f64 = 1e-9;
 
 impl ImplicitShape {
     /// Corners and edges; of an expression none are known.
@@ -75,33 +77,50 @@ fn segment(corners: &[Point3], ends: [usize; 2]) -> Edge {
 }
 
 impl MeshTool {
-    /// Edges that are sharper than 1° and stand out, and the vertices in which they end.
+    /// Edges that are sharper than 1° and stand out with the vertices in which they end, and the planes of triangles
+    /// that end in sharp edges or go on level: normal and its distance from the origin, m.
     pub(in crate::contact) fn sharp_features(
         vertices: &[Point3],
         triangles: &[[u32; 3]],
-    ) -> Features {
+    ) -> (Features, Vec<Option<(Vector3, f64)>>) {
         // Both sides of an edge, from its lower vertex to its higher.
-        let mut sides: Vec<([u32; 2], Vector3, Point3)> = Vec::with_capacity(3 * triangles.len());
-        for &[a, b, c] in triangles {
+        let mut sides = Vec::with_capacity(3 * triangles.len());
+        let mut planes = Vec::with_capacity(triangles.len());
+        for (t, &[a, b, c]) in triangles.iter().enumerate() {
             let [p, q, r] = [a, b, c].map(|k| vertices[k as usize]);
             let normal = (q - p).cross(&(r - p)).normalize();
+            planes.push(Some((normal, normal.dot(&p.coords))));
             for (from, to, across) in [(a, b, r), (b, c, p), (c, a, q)] {
-                sides.push(([from.min(to), from.max(to)], normal, across));
+                let ends = [from.min(to), from.max(to)];
+                sides.push(MeshSide {
+                    ends,
+                    triangle: t,
+                    normal,
+                    across,
+                });
             }
         }
-        sides.sort_by_key(|side| side.0);
+        sides.sort_by_key(|side| side.ends);
         let mut names = vec![usize::MAX; vertices.len()];
         let mut corners = Vec::new();
         let mut edges = Vec::new();
-        for pair in sides.chunk_by(|a, b| a.0 == b.0) {
-            let [(ends, normal, _), (_, other, across)] = pair else {
+        for pair in sides.chunk_by(|a, b| a.ends == b.ends) {
+            let [one, other] = pair else {
                 continue;
             };
-            let stands_out = (across - vertices[ends[0] as usize]).dot(normal) < 0.0;
-            if normal.dot(other) >= SHARP || !stands_out {
+            let cosine = one.normal.dot(&other.normal);
+            if cosine >= SHARP {
+                if one.normal.cross(&other.normal).norm() > LEVEL {
+                    planes[one.triangle] = None;
+                    planes[other.triangle] = None;
+                }
                 continue;
             }
-            let ends = ends.map(|vertex| {
+            let start = vertices[one.ends[0] as usize];
+            if (other.across - start).dot(&one.normal) >= 0.0 {
+                continue;
+            }
+            let ends = one.ends.map(|vertex| {
                 let name = &mut names[vertex as usize];
                 if *name == usize::MAX {
                     *name = corners.len();
@@ -111,6 +130,17 @@ impl MeshTool {
             });
             edges.push(segment(&corners, ends));
         }
-        Features { corners, edges }
+        (Features { corners, edges }, planes)
     }
+}
+
+/// An edge as one of its two triangles has it.
+struct MeshSide {
+    /// Vertices, the lower first.
+    ends: [u32; 2],
+    triangle: usize,
+    /// Of the triangle, outwards.
+    normal: Vector3,
+    /// Its third vertex, m.
+    across: Point3,
 }

@@ -4,6 +4,7 @@
 //! expression   text ──▶ tape
 //! tape         value, gradient, range over a box
 //! shape        quadrics, torus, box and expressions; depth of a point along the gradient
+//! side         the smooth sides of shapes that are given by sizes, to which distances are known
 //! outline      triangles around the solid, for pictures
 //! solver       contacts with a surface: prune by ranges, sample, climb
 //! ```
@@ -12,6 +13,7 @@ mod expression;
 mod interval;
 mod outline;
 mod shape;
+mod side;
 mod solver;
 mod tape;
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use super::expression::ExpressionError;
 use super::interval::Interval;
+use super::side::Side;
 use super::tape::Tape;
 use crate::contact::Features;
 use crate::math::{Point3, Pose, Vector3};
@@ -199,6 +200,7 @@ impl ImplicitShape {
     pub fn compile(&self) -> Result<ImplicitTool, ImplicitError> {
         Ok(ImplicitTool {
             tape: Tape::parse(&self.text()?)?,
+            sides: self.sides(),
             features: self.features(),
         })
     }
@@ -208,6 +210,8 @@ impl ImplicitShape {
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImplicitTool {
     tape: Tape,
+    /// Its smooth sides, of each of which a point is below if it is inside; none where they are not known.
+    sides: Vec<Side>,
     features: Features,
 }
 
@@ -238,6 +242,30 @@ impl ImplicitTool {
         &self.tape
     }
 
+    /// All its edges are known.
+    pub(super) fn edges_known(&self) -> bool {
+        !self.sides.is_empty()
+    }
+
+    /// The side that is nearest above a point of the tool's frame.
+    pub(super) fn side(&self, p: &Point3) -> Option<usize> {
+        let gap = |k: &usize| self.sides[*k].gap(p).0;
+        (0..self.sides.len()).max_by(|a, b| gap(a).total_cmp(&gap(b)))
+    }
+
+    /// How far a point of the tool's frame is below a side that goes on beyond its edges, m.
+    pub(super) fn depth_below(&self, side: usize, p: &Point3) -> f64 {
+        -self.sides[side].gap(p).0
+    }
+
+    /// The function and its gradient.
+    fn gradient(&self, p: &Point3) -> (f64, Vector3) {
+        match self.side(p) {
+            Some(side) => self.sides[side].gap(p),
+            None => self.tape.gradient(p),
+        }
+    }
+
     /// All values over the box of a sphere around a point of the tool's frame.
     pub fn range_around(&self, centre: &Point3, half: &Vector3) -> Interval {
         self.tape.interval(&(centre - half), &(centre + half))
@@ -245,7 +273,7 @@ impl ImplicitTool {
 
     /// First-order depth −f / |∇f| (−∞ where that means nothing) and the unit gradient.
     pub(super) fn rough(&self, p: &Point3) -> (f64, Vector3) {
-        let (f, gradient) = self.tape.gradient(p);
+        let (f, gradient) = self.gradient(p);
         let steepness = gradient.norm().max(1e-12);
         let depth_m = -f / steepness;
         (
@@ -267,6 +295,9 @@ impl ImplicitTool {
     /// Depth of a point of the tool's frame along its gradient (along +z where that vanishes);
     /// `None` where f is not a number or the zero set is not on that line.
     pub(super) fn stand(&self, p: &Point3) -> Option<Stand> {
+        if let Some(side) = self.side(p) {
+            return self.stand_below(side, p);
+        }
         let (f, gradient) = self.tape.gradient(p);
         let steepness = gradient.norm();
         if !f.is_finite() || !steepness.is_finite() {
@@ -311,11 +342,6 @@ impl ImplicitTool {
         if there.0.is_nan() {
             return None;
         }
-        // A function that is the distance itself leaves only rounding.
-        if doublings == 0 && there.0.abs() <= ROUNDING * (p.coords.amax() + f.abs()) {
-            let depth_m = if f < 0.0 { high } else { -high };
-            return Some(Stand { depth_m, uphill });
-        }
         // Newton from the far end, kept between a positive and a negative value.
         let mut t = high;
         for _ in 0..STEPS {
@@ -350,11 +376,24 @@ impl ImplicitTool {
         })
     }
 
+    /// The same below the side that is nearest, to which distances are known.
+    fn stand_below(&self, side: usize, p: &Point3) -> Option<Stand> {
+        let (gap_m, uphill) = self.sides[side].gap(p);
+        let foot = p - uphill * gap_m;
+        let rounding = ROUNDING * (p.coords.amax() + gap_m.abs());
+        // From inside, no other side is nearer.
+        let on_it = gap_m <= 0.0 || self.sides.iter().all(|s| s.gap(&foot).0 <= rounding);
+        on_it.then_some(Stand {
+            depth_m: -gap_m,
+            uphill,
+        })
+    }
+
     /// Gap of a world point to the tool at a pose, m, and the unit vector towards the tool's
     /// matter; first order, for samples near the surface of the tool. `None` where the function
     /// means nothing.
     pub fn signed_gap(&self, pose: &Pose, point: &Point3) -> Option<(f64, Vector3)> {
-        let (f, gradient) = self.tape.gradient(&pose.inverse_transform_point(point));
+        let (f, gradient) = self.gradient(&pose.inverse_transform_point(point));
         let steepness = gradient.norm();
         let gap_m = f / steepness;
         (gap_m.is_finite() && steepness > 0.0)

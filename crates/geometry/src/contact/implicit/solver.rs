@@ -40,6 +40,19 @@ impl DepthField for PlacedShape<'_> {
     fn depth_m(&self, p: &Point3) -> f64 {
         self.tool.depth_m(&self.pose.inverse_transform_point(p))
     }
+
+    fn side(&self, p: &Point3) -> Option<usize> {
+        self.tool.side(&self.pose.inverse_transform_point(p))
+    }
+
+    fn depth_below(&self, side: usize, p: &Point3) -> f64 {
+        self.tool
+            .depth_below(side, &self.pose.inverse_transform_point(p))
+    }
+
+    fn edges_known(&self) -> bool {
+        self.tool.edges_known()
+    }
 }
 
 impl ImplicitSolver {
@@ -51,8 +64,7 @@ impl ImplicitSolver {
     }
 
     /// Contacts with a solid at a pose, deepest first; `out` is cleared first. A pose that is not
-    /// finite touches nothing. Both sides of an open sheet are alike to a solid. Where its `edges_known`,
-    /// nothing is looked for at them.
+    /// finite touches nothing. Both sides of an open sheet are alike to a solid.
     pub fn contacts(
         &mut self,
         surface: &Surface,
@@ -60,7 +72,6 @@ impl ImplicitSolver {
         tool: &ImplicitTool,
         pose: &Pose,
         reach: &Reach,
-        edges_known: bool,
         out: &mut ContactSet,
     ) {
         out.clear();
@@ -86,7 +97,7 @@ impl ImplicitSolver {
             grow_m: reach.margin_m + 1e-12 * self.search.size_m,
         };
         self.search
-            .search(surface, solver, &field, reach.margin_m, edges_known, out);
+            .search(surface, solver, &field, reach.margin_m, out);
         for top in &self.search.tops {
             let [u, v] = top.at;
             let on_body = surface.point(u, v);

@@ -11,8 +11,6 @@ use crate::math::{Point3, Vector3};
 
 /// Most operations of one function.
 pub const MAX_OPS: usize = 160;
-/// Shapes given by sizes have no more: clearing room for the longest function costs more than to evaluate these.
-const FEW_OPS: usize = 24;
 
 /// One operation; operands are places of earlier ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -107,15 +105,7 @@ impl Tape {
 
     /// The value at a point; NaN where it is not defined.
     pub fn value(&self, p: &Point3) -> f64 {
-        if self.ops.len() <= FEW_OPS {
-            self.value_in::<FEW_OPS>(p)
-        } else {
-            self.value_in::<MAX_OPS>(p)
-        }
-    }
-
-    fn value_in<const MOST: usize>(&self, p: &Point3) -> f64 {
-        let mut r = [0.0; MOST];
+        let mut r = [0.0; MAX_OPS];
         for (k, op) in self.ops.iter().enumerate() {
             r[k] = match *op {
                 Op::Constant(c) => c,
@@ -130,15 +120,7 @@ impl Tape {
 
     /// Value and gradient, by forward differentiation. At kinks, the derivative from one side.
     pub fn gradient(&self, p: &Point3) -> (f64, Vector3) {
-        if self.ops.len() <= FEW_OPS {
-            self.gradient_in::<FEW_OPS>(p)
-        } else {
-            self.gradient_in::<MAX_OPS>(p)
-        }
-    }
-
-    fn gradient_in<const MOST: usize>(&self, p: &Point3) -> (f64, Vector3) {
-        let mut r = [Dual::ZERO; MOST];
+        let mut r = [Dual::ZERO; MAX_OPS];
         for (k, op) in self.ops.iter().enumerate() {
             r[k] = match *op {
                 Op::Constant(f) => Dual { f, d: [0.0; 3] },
@@ -174,15 +156,7 @@ impl Tape {
     /// Holds every value over a box. Wider than the true range where a variable occurs more than
     /// once.
     pub fn interval(&self, low: &Point3, high: &Point3) -> Interval {
-        if self.ops.len() <= FEW_OPS {
-            self.interval_in::<FEW_OPS>(low, high)
-        } else {
-            self.interval_in::<MAX_OPS>(low, high)
-        }
-    }
-
-    fn interval_in<const MOST: usize>(&self, low: &Point3, high: &Point3) -> Interval {
-        let mut r = [Interval::point(0.0); MOST];
+        let mut r = [Interval::point(0.0); MAX_OPS];
         for (k, op) in self.ops.iter().enumerate() {
             r[k] = match *op {
                 Op::Constant(c) => Interval::point(c),

@@ -34,6 +34,8 @@ pub struct MeshTool {
     /// (⌈vertices / BLOCK⌉): centre and radius of a ball around each block of vertices, m.
     blocks: Vec<(Point3, f64)>,
     features: Features,
+    /// (triangles): normal and its distance from the origin, m; of those whose sides all are sharp or level.
+    planes: Vec<Option<(Vector3, f64)>>,
     volume_m3: f64,
     size_m: f64,
 }
@@ -89,8 +91,10 @@ impl MeshTool {
                 )
             })
             .collect();
+        let (features, planes) = Self::sharp_features(&sound.vertices, &sound.triangles);
         Ok(Self {
-            features: Self::sharp_features(&sound.vertices, &sound.triangles),
+            features,
+            planes,
             triangles: Triangles::new(&sound.vertices, &sound.triangles)?,
             offsets,
             neighbours: pairs.into_iter().map(|(_, b)| b).collect(),

@@ -47,6 +47,12 @@ impl Triangles {
         self.0.indices()
     }
 
+    /// The triangle that is nearest to a finite point.
+    pub fn nearest(&self, p: &Point3) -> usize {
+        let (_, (triangle, _)) = self.0.project_local_point_and_get_location(there(p), false);
+        triangle as usize
+    }
+
     /// Signed distance and way out; closer than `near_m` the way is the triangle's normal.
     pub fn signed_distance(&self, p: &Point3, near_m: f64) -> (f64, Vector3) {
         if !p.iter().all(|x| x.is_finite()) {

@@ -53,6 +53,27 @@ impl DepthField for PlacedMesh<'_> {
             .signed_distance(&self.pose.inverse_transform_point(p))
             .0
     }
+
+    fn side(&self, p: &Point3) -> Option<usize> {
+        let p = self.pose.inverse_transform_point(p);
+        let triangle = p
+            .iter()
+            .all(|x| x.is_finite())
+            .then(|| self.tool.triangles.nearest(&p))?;
+        self.tool.planes[triangle].map(|_| triangle)
+    }
+
+    fn depth_below(&self, side: usize, p: &Point3) -> f64 {
+        let p = self.pose.inverse_transform_point(p);
+        let plane = &self.tool.planes[side];
+        plane.map_or(f64::NEG_INFINITY, |(normal, offset_m)| {
+            offset_m - normal.dot(&p.coords)
+        })
+    }
+
+    fn edges_known(&self) -> bool {
+        true
+    }
 }
 
 impl MeshSolver {
@@ -67,8 +88,7 @@ impl MeshSolver {
     }
 
     /// Contacts with a mesh at a pose, deepest first; `out` is cleared first. A pose that is not
-    /// finite touches nothing. Where its `edges_known`,
-    /// nothing is looked for at them.
+    /// finite touches nothing.
     pub fn contacts(
         &mut self,
         surface: &Surface,
@@ -76,7 +96,6 @@ impl MeshSolver {
         tool: &MeshTool,
         pose: &Pose,
         reach: &Reach,
-        edges_known: bool,
         out: &mut ContactSet,
     ) {
         out.clear();
@@ -100,7 +119,7 @@ impl MeshSolver {
             margin_m: reach.margin_m,
         };
         self.search
-            .search(surface, solver, &field, reach.margin_m, edges_known, out);
+            .search(surface, solver, &field, reach.margin_m, out);
         self.vertices(surface, solver, tool, pose, reach, out);
         let level_m = -1e-9 * self.search.size_m;
         let depth = |x: [f64; 2]| field.depth_m(&surface.point(x[0], x[1]));

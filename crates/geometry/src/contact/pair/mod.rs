@@ -42,6 +42,9 @@ const MOST_FACING: usize = 64;
 /// Contacts whose places and depths are nearer than these, relative to the size, are one.
 const SAME_PLACE: f64 = 1e-5;
 const SAME_DEPTH: f64 = 1e-9;
+/// A sheet touches with a side of its own, and not with its rim alone, where the way out is nearer to its normal than by
+/// this cosine.
+const FACES: f64 = 0.1;
 /// Depths within this of zero, relative to the size, touch.
 const TOUCHING: f64 = 1e-12;
 
@@ -87,9 +90,9 @@ impl PairSolver {
     /// Every region with its deepest point, deepest first; gaps up to `reach.margin_m` as contacts
     /// of negative depth.
     ///
-    /// `tool_uv` is set. A body that is an open sheet is inside where its normal points away from,
-    /// or the other way round when `reach.below`; an open tool has no inside. Nets that are not
-    /// finite touch nothing.
+    /// `tool_uv` is set. An open sheet has no inside: against what is closed, it touches on the side on which it is deepest
+    /// inside of that. Of two sheets, the body is inside where its normal points away from, or the other way round when
+    /// `reach.below`. Nets that are not finite touch nothing.
     pub fn contacts(
         &mut self,
         body: PairSide<'_>,
@@ -243,6 +246,11 @@ impl PairSolver {
             self.on_body
                 .find(&mut upper, &mut self.body, &mut below, pairs, margin_m);
         }
+        let side = match (self.body.closed, self.tool.closed) {
+            (false, true) => self.side_in_touch(body),
+            _ => Some(reach.side()),
+        };
+        let Some(side) = side else { return };
         let mut upper = Upper {
             surface: tool,
             solver: tool_solver,
@@ -252,13 +260,24 @@ impl PairSolver {
             surface: body,
             solver: body_solver,
             cells: &self.body,
-            side: reach.side(),
+            side,
         };
         let pairs = self.facing.iter().map(|f| StationaryPair {
             at: [f.at[2], f.at[3], f.at[0], f.at[1]],
         });
         self.on_tool
             .find(&mut upper, &mut self.tool, &mut below, pairs, margin_m);
+    }
+}
+
+impl PairSolver {
+    /// The side of a sheet on which a closed tool touches it, +1 or −1: where the sheet is deepest inside. None where it
+    /// is not, or only with its rim.
+    fn side_in_touch(&self, sheet: &Surface) -> Option<f64> {
+        let found = self.on_body.found.iter().map(|region| &region.top);
+        let top = found.max_by(|a, b| a.sounding.depth_m.total_cmp(&b.sounding.depth_m))?;
+        let cosine = -top.sounding.normal.dot(&sheet.normal(top.u, top.v));
+        (cosine.abs() > FACES).then(|| cosine.signum())
     }
 }
 

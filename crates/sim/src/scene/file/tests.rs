@@ -76,6 +76,10 @@ fn every_problem_names_its_line() {
             "s.toml:4:1: a rigid body cannot come to touch itself",
         ),
         (
+            "[[body]]\nid = \"x\"\nsurface = { builtin = \"sheet\" }\nmodel = \"membrane\"\nself_contact = true\n",
+            "s.toml:5:1: a surface that is open has no inside",
+        ),
+        (
             "[[contact]]\npair = [\"pen\", \"drop\"]\n",
             "s.toml:2:1: there is no tool and no body \"pen\"",
         ),

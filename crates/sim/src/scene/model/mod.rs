@@ -121,6 +121,11 @@ pub(super) fn build(
         material,
         held,
     })?;
+    if spec.self_contact && two_sided {
+        return at.key("self_contact").refused(
+            "a surface that is open has no inside: a fold that passes through it looks like one that does not; close the surface or drop self_contact",
+        );
+    }
     Some(Body {
         id: spec.id.clone(),
         surface,
