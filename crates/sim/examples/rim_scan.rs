@@ -9,13 +9,40 @@ pub fn main() {
         for k in 0..8 {
             let over = [5e-4, 1e-3, 3e-3, 8e-3, 1e-4, 2e-3, 1.2e-2, 5e-3][k];
             let corner = k % 2 == 1;
-            let y = if corner { 0.05 + 0.01 } else { 0.003 * k as f64 };
+            let y = if corner {
+                0.05 + 0.01
+            } else {
+                0.003 * k as f64
+            };
             let at = Point3::new(0.05 + 0.02 - over, y, 0.0202);
-            let extra = if model == "membrane" { "thickness_m = 0.002, refine = \"none\"" } else { "layers = 3, refine = [10, 10]" };
-            let lattice = if model == "net" { String::new() } else { format!("lattice = {{ {extra} }}\n") };
-            let text = format!("[gravity]\nacceleration = [0, 0, -9.81]\n[[body]]\nid = \"floor\"\nsurface = {{ builtin = \"sheet\", size = 0.1 }}\n[[body]]\nid = \"ball\"\nsurface = {{ builtin = \"sphere\", size = 0.02 }}\nmodel = \"{model}\"\npose = {{ position = [{:?}, {:?}, {:?}] }}\nmaterial = {{ young_pa = 50e3, damping_s = 2e-3 }}\n{lattice}[[tool]]\nid = \"far\"\nshape = {{ point = {{}} }}\npose = {{ position = [5, 5, 5] }}\n", at.x, at.y, at.z);
-            let loaded = match file::parse(&text, "x.toml", Path::new(".")) { Ok(l) => l, Err(e) => { println!("{model}: {e}"); break; } };
-            let scene = match Scene::build(&loaded.spec, Path::new(".")) { Ok(s) => s, Err(e) => { println!("{model}: {e}"); break; } };
+            let extra = if model == "membrane" {
+                "thickness_m = 0.002, refine = \"none\""
+            } else {
+                "layers = 3, refine = [10, 10]"
+            };
+            let lattice = if model == "net" {
+                String::new()
+            } else {
+                format!("lattice = {{ {extra} }}\n")
+            };
+            let text = format!(
+                "[gravity]\nacceleration = [0, 0, -9.81]\n[[body]]\nid = \"floor\"\nsurface = {{ builtin = \"sheet\", size = 0.1 }}\n[[body]]\nid = \"ball\"\nsurface = {{ builtin = \"sphere\", size = 0.02 }}\nmodel = \"{model}\"\npose = {{ position = [{:?}, {:?}, {:?}] }}\nmaterial = {{ young_pa = 50e3, damping_s = 2e-3 }}\n{lattice}[[tool]]\nid = \"far\"\nshape = {{ point = {{}} }}\npose = {{ position = [5, 5, 5] }}\n",
+                at.x, at.y, at.z
+            );
+            let loaded = match file::parse(&text, "x.toml", Path::new(".")) {
+                Ok(l) => l,
+                Err(e) => {
+                    println!("{model}: {e}");
+                    break;
+                }
+            };
+            let scene = match Scene::build(&loaded.spec, Path::new(".")) {
+                Ok(s) => s,
+                Err(e) => {
+                    println!("{model}: {e}");
+                    break;
+                }
+            };
             let mut state = scene.initial_state();
             let mut scratch = scene.scratch(&state);
             let n = scene.rest_surface(1).net().points().len();
@@ -34,12 +61,30 @@ pub fn main() {
                 let v = (c - before) * 1000.0;
                 before = c;
                 let e = 0.5 * v.norm_squared() + 9.81 * (c.z - start.z);
-                if show && tick % 5 == 0 { println!("{tick} c {:.4?} v {:.3?} e {e:.4}", c.coords.as_slice(), v.as_slice());
-                    for c in o.contacts.list() { println!("     {:?} depth {:.2e} n {:.2?} at {:.4?} f {:.3?}", (c.u, c.v), c.depth_m, c.normal.as_slice(), c.point.coords.as_slice(), c.force_n.as_slice()); } }
+                if show && tick % 5 == 0 {
+                    println!(
+                        "{tick} c {:.4?} v {:.3?} e {e:.4}",
+                        c.coords.as_slice(),
+                        v.as_slice()
+                    );
+                    for c in o.contacts.list() {
+                        println!(
+                            "     {:?} depth {:.2e} n {:.2?} at {:.4?} f {:.3?}",
+                            (c.u, c.v),
+                            c.depth_m,
+                            c.normal.as_slice(),
+                            c.point.coords.as_slice(),
+                            c.force_n.as_slice()
+                        );
+                    }
+                }
                 most = most.max(e);
                 fastest = fastest.max(v.norm());
             }
-            println!("{model} {k} over {over} corner {corner}: fastest {fastest:.2} m/s, energy {most:.4} J/kg, end {:.4?}", before.coords.as_slice());
+            println!(
+                "{model} {k} over {over} corner {corner}: fastest {fastest:.2} m/s, energy {most:.4} J/kg, end {:.4?}",
+                before.coords.as_slice()
+            );
             all = all.max(most);
         }
     }

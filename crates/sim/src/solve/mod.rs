@@ -8,6 +8,7 @@
 //! complementarity   forces λ ≥ 0 with D λ + gap ≥ 0, by projected Gauss–Seidel
 //! friction          the same for forces with three components: Coulomb's cone, grips
 //! grip              what a tool holds on to while it grabs
+//! hold              what holds a tool that only translates, exactly
 //! sharing, cones    how several rigid contacts of one tool share its force
 //! ```
 
@@ -16,6 +17,7 @@ pub mod cones;
 pub mod delassus;
 pub mod friction;
 pub mod grip;
+pub mod hold;
 pub mod indentation;
 pub mod proxy;
 pub mod row_key;

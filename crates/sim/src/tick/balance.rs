@@ -19,6 +19,7 @@ use crate::body::Deformable;
 use crate::scene::{Body, BodyModel, Scene};
 use crate::solve::cones::{self, ConeShare};
 use crate::solve::friction::{FrictionLaw, Lever};
+use crate::solve::hold::{Barrier, hold};
 use crate::solve::rows::{Holder, Row};
 use crate::solve::sharing::{Share, share};
 use palpate_geometry::math::Vector3;
@@ -168,7 +169,38 @@ fn solve_rows(scene: &Scene, state: &SceneState, scratch: &mut Scratch, start: S
         .problem
         .solve(sweeps(scene, state, &scratch.rows.rows));
     for tool in 0..scene.tools.len() {
+        hold_by_rigid(scene, state, scratch, tool);
         share_among_rigid(scene, state, scratch, tool);
+    }
+}
+
+/// A tool that only translates and touches nothing that gives way is held exactly.
+fn hold_by_rigid(scene: &Scene, state: &SceneState, scratch: &mut Scratch, tool: usize) {
+    let Scratch {
+        rows,
+        problem,
+        barriers,
+        ..
+    } = scratch;
+    let coupling = scene.tools[tool].coupling_for(&state.tools[tool].bounds);
+    let own = |row: &&Row| row.tool() == Some(tool);
+    let is_firm = |row: &Row| scene.bodies[row.body as usize].is_firm();
+    if coupling.turns() || !rows.rows.iter().filter(own).all(is_firm) {
+        return;
+    }
+    barriers.clear();
+    barriers.extend(rows.rows.iter().filter(own).map(|row| Barrier {
+        normal: row.normal,
+        depth_m: -row.gap_m,
+        part_m: 0.0,
+    }));
+    if barriers.len() < 2 || !hold(barriers) {
+        return;
+    }
+    let compliance = coupling.compliance_m_n();
+    let indices = (0..rows.rows.len()).filter(|&i| own(&&rows.rows[i]));
+    for (i, barrier) in indices.zip(barriers.iter()) {
+        problem.set_force(i, barrier.part_m / compliance);
     }
 }
 

@@ -10,6 +10,7 @@ use crate::solve::complementarity::Complementarity;
 use crate::solve::cones::ConeShare;
 use crate::solve::delassus::Delassus;
 use crate::solve::friction::{FrictionProblem, Stick};
+use crate::solve::hold::Barrier;
 use crate::solve::indentation::{Indentation, Touch};
 use crate::solve::rows::{MAX_ROWS_PER_PAIR, RowSet, SampleInTouch};
 use crate::solve::sharing::Share;
@@ -45,6 +46,7 @@ pub struct Scratch {
     /// By row, in such ticks.
     pub(super) sticks: Vec<Stick>,
     /// Rigid contacts of one tool.
+    pub(super) barriers: Vec<Barrier>,
     pub(super) shares: Vec<Share>,
     /// Of one body after the other.
     pub(super) delassus: Delassus,
@@ -248,6 +250,7 @@ impl Scene {
             modes_along: vec![0.0; most_rows.min(balance::MANY_ROWS) * most_modes],
             cones: Vec::with_capacity(frictional_rows),
             sticks: Vec::with_capacity(frictional_rows),
+            barriers: Vec::with_capacity(most_rows),
             shares: Vec::with_capacity(most_rows),
             delassus: Delassus::new(2 * most_rows, width, unknowns, surface),
             pipeline: None,
