@@ -173,7 +173,7 @@ impl Suite<'_> {
                     &tools[k].tool,
                     &tools[k].pose,
                     &Reach::TOUCH,
-                    false,
+                    &[],
                     &mut set,
                 );
             });
@@ -223,7 +223,7 @@ impl Suite<'_> {
                     &tool_mesh.tool,
                     &poses[k],
                     &Reach::TOUCH,
-                    false,
+                    &[],
                     &mut set,
                 );
             });

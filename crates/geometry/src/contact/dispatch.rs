@@ -272,7 +272,8 @@ impl Narrow {
                     if let Some(search) = features {
                         search.find(tool.features(), pose, surface, solver, &reach);
                     }
-                    found.contacts(surface, solver, tool, pose, &reach, set);
+                    let beside = features.as_ref().map_or(&[][..], |search| search.found());
+                    found.contacts(surface, solver, tool, pose, &reach, beside, set);
                     if let Some(search) = features {
                         search.join(tool.features(), pose, surface, solver, &reach, set);
                     }
@@ -288,7 +289,8 @@ impl Narrow {
                     if let Some(search) = features {
                         search.find(tool.features(), pose, surface, solver, &reach);
                     }
-                    found.contacts(surface, solver, tool, pose, &reach, set);
+                    let beside = features.as_ref().map_or(&[][..], |search| search.found());
+                    found.contacts(surface, solver, tool, pose, &reach, beside, set);
                     if let Some(search) = features {
                         search.join(tool.features(), pose, surface, solver, &reach, set);
                     }

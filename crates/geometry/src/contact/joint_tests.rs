@@ -55,7 +55,7 @@ fn function_on(surface: &Surface, shape: &ImplicitShape, pose: &Pose) -> Contact
         &shape.compile().unwrap(),
         pose,
         &Reach::TOUCH,
-        false,
+        &[],
         &mut out,
     );
     out

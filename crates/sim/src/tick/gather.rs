@@ -380,6 +380,18 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
         }
     }
     let set = &scratch_pair.set;
+    if std::env::var("DBG").is_ok() {
+        println!("-- anchor {:.6?} free {:.6?}", anchor.place, free.place);
+        for c in set.contacts() {
+            println!(
+                "   {:?} d {:.3e} n {:.4?} tool {:.6?}",
+                c.point,
+                c.depth_m,
+                c.normal.as_slice(),
+                c.on_tool.coords.as_slice()
+            );
+        }
+    }
     proxy.touching = false;
     if (set.contacts().iter()).any(|contact| contact.depth_m > -margin) {
         proxy.touch();

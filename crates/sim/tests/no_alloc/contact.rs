@@ -98,12 +98,12 @@ fn contact_queries_allocate_nothing_and_repeat_themselves() {
         let tool = tool.compile().expect("a box");
         let mut implicit = ImplicitSolver::new(&body, &mut solver);
         run("implicit", &body, 12, |p, out| {
-            implicit.contacts(&body, &mut solver, &tool, p, &reach, false, out)
+            implicit.contacts(&body, &mut solver, &tool, p, &reach, &[], out)
         });
         let tool = tetrahedron(0.1 * size);
         let mut mesh = MeshSolver::new(&body, &mut solver, &tool);
         run("mesh", &body, 12, |p, out| {
-            mesh.contacts(&body, &mut solver, &tool, p, &reach, false, out)
+            mesh.contacts(&body, &mut solver, &tool, p, &reach, &[], out)
         });
         let sweeps = allocations(|| {
             for k in 0..30 {

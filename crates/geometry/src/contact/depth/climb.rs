@@ -34,10 +34,14 @@ const GAIN: f64 = 1e-12;
 const LEVEL_WINDOW: f64 = 1e-10;
 /// A second difference less than this of the size is none.
 const LEVEL: f64 = 1e-13;
-/// Steps one after the other that may end beyond where the height means something.
-const PATIENCE: usize = 1;
+/// Steps one after the other that may lead beyond where the height means something.
+const PATIENCE: usize = 3;
 /// Newton steps, and steps of the cross.
-const NEWTON: usize = 12;
+const NEWTON: usize = 24;
+/// The longest of Newton's steps, in spans.
+const LONGEST: f64 = 0.25;
+/// A step gains at least this of what the slope says.
+const FAIR: f64 = 0.1;
 const ROUNDS: usize = 60;
 /// Where the cross leaves off at a kink, in spans, and half the window that is searched from there.
 const NEAR: f64 = 1e-6;
@@ -172,7 +176,7 @@ impl Map {
         beyond: &impl Fn([f64; 2]) -> bool,
     ) -> Option<bool> {
         let h = self.spans.map(|s| DIFFERENCE * s);
-        let mut radius = 0.25;
+        let mut radius = LONGEST;
         let mut out = 0;
         for _ in 0..NEWTON {
             let mut at =
@@ -196,27 +200,40 @@ impl Map {
             // Depth is exact before its place is: this step is the last.
             let last = bent && gain.abs() <= LEVEL_WINDOW * size_m;
             let before = top.at;
-            let mut moved = false;
-            for _ in 0..if last { 1 } else { 6 } {
+            let (mut moved, mut left) = (false, false);
+            // A start may be beyond, of which the top is not.
+            let inside = !beyond(before);
+            for attempt in 0..if last { 1 } else { 6 } {
                 let next = self.turn([before[0] + x * h[0], before[1] + y * h[1]]);
                 let value = height(next);
-                if value > top.height_m {
+                // A last step gains no more than rounding.
+                let fair = if last {
+                    0.0
+                } else {
+                    FAIR * (g.x * x + g.y * y)
+                };
+                let better = value - top.height_m > fair;
+                if better && !(inside && beyond(next)) {
                     *top = ClimbTop {
                         at: next,
                         height_m: value,
                         settled: false,
                     };
                     moved = true;
+                    if attempt == 0 {
+                        radius = LONGEST.min(2.0 * radius);
+                    }
                     break;
                 }
+                left |= better;
                 (x, y, radius) = (0.25 * x, 0.25 * y, (0.25 * radius).max(1e-3));
             }
             if last {
                 return Some(true);
             }
-            // One step may be too long.
-            out = if beyond(top.at) { out + 1 } else { 0 };
-            if out > PATIENCE {
+            // Steps that lead beyond are cut, and end when they go on to.
+            out = if left || !inside { out + 1 } else { 0 };
+            if out > PATIENCE || left && !moved {
                 return None;
             }
             if !moved {

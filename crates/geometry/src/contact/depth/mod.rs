@@ -13,7 +13,7 @@ pub(super) use self::climb::ClimbTop;
 pub(super) use self::climb::Map;
 
 use super::exact::Patches;
-use super::{ContactSet, MAX_CONTACTS};
+use super::{Contact, ContactSet, MAX_CONTACTS};
 use crate::math::{Point3, Vector3};
 use crate::surface::{ClosestSolver, Joints, Surface};
 
@@ -133,13 +133,15 @@ impl DepthSearch {
     }
 
     /// Fills `tops` with the local maxima of depth that are no farther outside than the margin; one
-    /// of each set that a way of equal depth joins. On a side that is known, of which only those that are not at its edges.
+    /// of each set that a way of equal depth joins. On a side that is known, of which only those that are not at its edges;
+    /// `beside`: contacts of these edges.
     pub fn search(
         &mut self,
         surface: &Surface,
         solver: &mut ClosestSolver,
         field: &impl DepthField,
         margin_m: f64,
+        beside: &[Contact],
         out: &mut ContactSet,
     ) {
         self.tops.clear();
@@ -170,7 +172,14 @@ impl DepthSearch {
                 None => depth(x),
             };
             let beyond = |x: [f64; 2]| side.is_some() && !self.is_same(height(x), depth(x));
-            let Some(top) = self.climb(start, height, beyond) else {
+            // Beside a tip a side may be bent more than samples show: from there it is nearer.
+            let feet = beside.iter().map(|contact| [contact.u, contact.v]);
+            let near = feet
+                .filter(|_| side.is_some())
+                .filter(|&foot| self.are_neighbours(start, foot) && height(foot) > height(start))
+                .max_by(|&a, &b| height(a).total_cmp(&height(b)));
+            let from_near = near.and_then(|foot| self.climb(foot, height, beyond));
+            let Some(top) = from_near.or_else(|| self.climb(start, height, beyond)) else {
                 continue;
             };
             if top.height_m.is_nan() || top.height_m < -margin_m - 1e-3 * equal {
@@ -214,11 +223,17 @@ impl DepthSearch {
         })
     }
 
+    /// No more than samples are from each other.
+    fn are_neighbours(&self, a: [f64; 2], b: [f64; 2]) -> bool {
+        let way = self.map.way(a, b);
+        (0..2).all(|k| way[k].abs() * GRID as f64 <= self.map.spans[k])
+    }
+
     fn is_same(&self, a_m: f64, b_m: f64) -> bool {
         (a_m - b_m).abs() <= SAME * self.size_m
     }
 
-    /// The side on which a climb from a place goes, if it is known and the depth there is that below it.
+    /// The side on which a climb from a place goes, if it is known.
     fn side_at(
         &self,
         at: [f64; 2],
@@ -226,8 +241,11 @@ impl DepthSearch {
         point: impl Fn([f64; 2]) -> Point3,
     ) -> Option<usize> {
         let p = point(at);
-        let below = |side: &usize| self.is_same(field.depth_below(*side, &p), field.depth_m(&p));
-        field.side(&p).filter(below)
+        // At an edge that runs inwards the solid is deeper than below each of its sides.
+        let equal = SAME * self.size_m;
+        field
+            .side(&p)
+            .filter(|&side| field.depth_m(&p) <= field.depth_below(side, &p) + equal)
     }
 
     /// Climbs, going on over joints while that leads up; `None`: beyond the edge of a side.

@@ -118,6 +118,11 @@ impl FeatureSearch {
         }
     }
 
+    /// What the last search found.
+    pub fn found(&self) -> &[Contact] {
+        self.found.contacts()
+    }
+
     /// Looks for the features that touch, or are within the margin.
     pub fn find(
         &mut self,

@@ -63,7 +63,7 @@ impl ImplicitSolver {
         }
     }
 
-    /// Contacts with a solid at a pose, deepest first; `out` is cleared first. A pose that is not
+    /// Contacts with a solid at a pose, deepest first; `out` is cleared first; `beside`: contacts of the tool's edges. A pose that is not
     /// finite touches nothing. Both sides of an open sheet are alike to a solid.
     pub fn contacts(
         &mut self,
@@ -72,6 +72,7 @@ impl ImplicitSolver {
         tool: &ImplicitTool,
         pose: &Pose,
         reach: &Reach,
+        beside: &[Contact],
         out: &mut ContactSet,
     ) {
         out.clear();
@@ -97,7 +98,7 @@ impl ImplicitSolver {
             grow_m: reach.margin_m + 1e-12 * self.search.size_m,
         };
         self.search
-            .search(surface, solver, &field, reach.margin_m, out);
+            .search(surface, solver, &field, reach.margin_m, beside, out);
         for top in &self.search.tops {
             let [u, v] = top.at;
             let on_body = surface.point(u, v);

@@ -146,7 +146,7 @@ fn touch(surface: &Surface, shape: &ImplicitShape, pose: &Pose, reach: &Reach) -
     let mut solver = ClosestSolver::new(surface);
     let mut implicit = ImplicitSolver::new(surface, &mut solver);
     let (tool, mut out) = (shape.compile().unwrap(), ContactSet::new());
-    implicit.contacts(surface, &mut solver, &tool, pose, reach, false, &mut out);
+    implicit.contacts(surface, &mut solver, &tool, pose, reach, &[], &mut out);
     for c in out.contacts() {
         let scale = surface.size() + c.on_body.coords.amax();
         assert!(

@@ -87,7 +87,7 @@ impl MeshSolver {
         }
     }
 
-    /// Contacts with a mesh at a pose, deepest first; `out` is cleared first. A pose that is not
+    /// Contacts with a mesh at a pose, deepest first; `out` is cleared first; `beside`: contacts of the tool's edges. A pose that is not
     /// finite touches nothing.
     pub fn contacts(
         &mut self,
@@ -96,6 +96,7 @@ impl MeshSolver {
         tool: &MeshTool,
         pose: &Pose,
         reach: &Reach,
+        beside: &[Contact],
         out: &mut ContactSet,
     ) {
         out.clear();
@@ -119,7 +120,7 @@ impl MeshSolver {
             margin_m: reach.margin_m,
         };
         self.search
-            .search(surface, solver, &field, reach.margin_m, out);
+            .search(surface, solver, &field, reach.margin_m, beside, out);
         self.vertices(surface, solver, tool, pose, reach, out);
         let level_m = -1e-9 * self.search.size_m;
         let depth = |x: [f64; 2]| field.depth_m(&surface.point(x[0], x[1]));

@@ -175,7 +175,7 @@ fn touch(surface: &Surface, tool: &MeshTool, pose: &Pose, reach: &Reach) -> Cont
     let mut solver = ClosestSolver::new(surface);
     let mut mesh = MeshSolver::new(surface, &mut solver, tool);
     let mut out = ContactSet::new();
-    mesh.contacts(surface, &mut solver, tool, pose, reach, false, &mut out);
+    mesh.contacts(surface, &mut solver, tool, pose, reach, &[], &mut out);
     for c in out.contacts() {
         let scale = surface.size() + c.on_body.coords.amax();
         assert!(
