@@ -25,6 +25,8 @@ const MOST_CLIMBS: usize = 64;
 const MOST_RIDGES: usize = 48;
 /// Tops at kinks that are made exact.
 const MOST_FINISHED: usize = 12;
+/// Sides that meet at a corner, and may have tops beside it.
+const MOST_SIDES: usize = 3;
 /// Depths this near to each other, of the size, are equal: where they are exact, and where they are
 /// not yet.
 const SAME: f64 = 1e-9;
@@ -48,8 +50,8 @@ pub(super) trait DepthField {
     fn rough(&self, p: &Point3) -> (f64, Vector3);
     /// Depth, m, negative outside; −∞ where it means nothing.
     fn depth_m(&self, p: &Point3) -> f64;
-    /// The smooth side from which the depth of a point counts, where it is known.
-    fn side(&self, p: &Point3) -> Option<usize>;
+    /// The smooth side from which the depth of a point counts, where it is known, and those after it, nearest first.
+    fn side(&self, p: &Point3, after: usize) -> Option<usize>;
     /// How far a point is below a side that goes on beyond its edges, m.
     fn depth_below(&self, side: usize, p: &Point3) -> f64;
     /// All its edges are known: none is looked for.
@@ -64,6 +66,8 @@ pub(super) struct DepthSearch {
     joints: Option<Box<Joints>>,
     pub patches: Patches,
     pub size_m: f64,
+    /// Between samples, m.
+    spacing_m: f64,
     /// (pieces): the solid may reach into it.
     pub reached: Vec<bool>,
     /// What was found, deepest starts first.
@@ -121,6 +125,7 @@ impl DepthSearch {
             joints: surface.joints().map(Box::new),
             patches: Patches::new(surface, solver),
             size_m: surface.size(),
+            spacing_m: surface.size() / (GRID * pieces[0].min(pieces[1]).max(1)) as f64,
             reached: vec![false; pieces[0] * pieces[1]],
             // Finished tops are gathered behind the rough ones.
             tops: Vec::with_capacity(MOST_CLIMBS + MAX_CONTACTS),
@@ -166,26 +171,21 @@ impl DepthSearch {
             if known.any(|(at, level)| self.joined(start, at, level, depth)) {
                 continue;
             }
-            let side = self.side_at(start, field, &point);
-            let height = |x: [f64; 2]| match side {
-                Some(side) => field.depth_below(side, &point(x)),
-                None => depth(x),
-            };
-            let beyond = |x: [f64; 2]| side.is_some() && !self.is_same(height(x), depth(x));
-            // Beside a tip a side may be bent more than samples show: from there it is nearer.
-            let feet = beside.iter().map(|contact| [contact.u, contact.v]);
-            let near = feet
-                .filter(|_| side.is_some())
-                .filter(|&foot| self.are_neighbours(start, foot) && height(foot) > height(start))
-                .max_by(|&a, &b| height(a).total_cmp(&height(b)));
-            let from_near = near.and_then(|foot| self.climb(foot, height, beyond));
-            let Some(top) = from_near.or_else(|| self.climb(start, height, beyond)) else {
-                continue;
-            };
-            if top.height_m.is_nan() || top.height_m < -margin_m - 1e-3 * equal {
-                continue;
+            let p = point(start);
+            let first = self.side_below(field, &p, 0);
+            self.climb_from(start, first, field, margin_m, beside, &point);
+            // Beside an edge the start stands for the sides that meet there.
+            for after in 1..MOST_SIDES {
+                let Some(side) = self
+                    .side_below(field, &p, after)
+                    .filter(|_| first.is_some())
+                else {
+                    break;
+                };
+                if field.depth_below(side, &p) - here < self.spacing_m {
+                    self.climb_from(start, Some(side), field, margin_m, beside, &point);
+                }
             }
-            self.keep_from(0, top, depth, point);
         }
         // What has kinks was climbed coarsely; now that there are few, exactly.
         self.tops.sort_unstable_by(|a, b| {
@@ -198,7 +198,7 @@ impl DepthSearch {
         for k in 0..self.tops.len().min(MOST_FINISHED) {
             if !self.tops[k].settled {
                 let mut top = self.tops[k];
-                let side = self.side_at(top.at, field, &point);
+                let side = self.side_below(field, &point(top.at), 0);
                 self.map_at(top.at)
                     .finish(&mut top, self.size_m, |x| match side {
                         Some(side) => field.depth_below(side, &point(x)),
@@ -233,19 +233,44 @@ impl DepthSearch {
         (a_m - b_m).abs() <= SAME * self.size_m
     }
 
-    /// The side on which a climb from a place goes, if it is known.
-    fn side_at(
-        &self,
-        at: [f64; 2],
-        field: &impl DepthField,
-        point: impl Fn([f64; 2]) -> Point3,
-    ) -> Option<usize> {
-        let p = point(at);
+    /// A side below which a climb from a point goes, if it is known.
+    fn side_below(&self, field: &impl DepthField, p: &Point3, after: usize) -> Option<usize> {
         // At an edge that runs inwards the solid is deeper than below each of its sides.
         let equal = SAME * self.size_m;
         field
-            .side(&p)
-            .filter(|&side| field.depth_m(&p) <= field.depth_below(side, &p) + equal)
+            .side(p, after)
+            .filter(|&side| field.depth_m(p) <= field.depth_below(side, p) + equal)
+    }
+
+    /// Climbs on a side and keeps what is found.
+    fn climb_from(
+        &mut self,
+        start: [f64; 2],
+        side: Option<usize>,
+        field: &impl DepthField,
+        margin_m: f64,
+        beside: &[Contact],
+        point: &impl Fn([f64; 2]) -> Point3,
+    ) {
+        let depth = |x: [f64; 2]| field.depth_m(&point(x));
+        let height = |x: [f64; 2]| match side {
+            Some(side) => field.depth_below(side, &point(x)),
+            None => depth(x),
+        };
+        let beyond = |x: [f64; 2]| side.is_some() && !self.is_same(height(x), depth(x));
+        // Beside a tip a side may be bent more than samples show: from there it is nearer.
+        let feet = beside.iter().map(|contact| [contact.u, contact.v]);
+        let near = feet
+            .filter(|_| side.is_some())
+            .filter(|&foot| self.are_neighbours(start, foot) && height(foot) > height(start))
+            .max_by(|&a, &b| height(a).total_cmp(&height(b)));
+        let from_near = near.and_then(|foot| self.climb(foot, height, beyond));
+        let Some(top) = from_near.or_else(|| self.climb(start, height, beyond)) else {
+            return;
+        };
+        if top.height_m >= -margin_m - 1e-3 * SAME * self.size_m {
+            self.keep_from(0, top, depth, point);
+        }
     }
 
     /// Climbs, going on over joints while that leads up; `None`: beyond the edge of a side.

@@ -247,10 +247,16 @@ impl ImplicitTool {
         !self.sides.is_empty()
     }
 
-    /// The side that is nearest above a point of the tool's frame.
-    pub(super) fn side(&self, p: &Point3) -> Option<usize> {
-        let gap = |k: &usize| self.sides[*k].gap(p).0;
-        (0..self.sides.len()).max_by(|a, b| gap(a).total_cmp(&gap(b)))
+    /// The side above which a point of the tool's frame is highest, or those after it.
+    pub(super) fn side(&self, p: &Point3, after: usize) -> Option<usize> {
+        let gap = |k: usize| self.sides[k].gap(p).0;
+        let is_higher = |a: usize, b: usize| gap(a) > gap(b) || (gap(a) == gap(b) && a < b);
+        (0..self.sides.len()).find(|&k| {
+            (0..self.sides.len())
+                .filter(|&other| is_higher(other, k))
+                .count()
+                == after
+        })
     }
 
     /// How far a point of the tool's frame is below a side that goes on beyond its edges, m.
@@ -260,7 +266,7 @@ impl ImplicitTool {
 
     /// The function and its gradient.
     fn gradient(&self, p: &Point3) -> (f64, Vector3) {
-        match self.side(p) {
+        match self.side(p, 0) {
             Some(side) => self.sides[side].gap(p),
             None => self.tape.gradient(p),
         }
@@ -295,7 +301,7 @@ impl ImplicitTool {
     /// Depth of a point of the tool's frame along its gradient (along +z where that vanishes);
     /// `None` where f is not a number or the zero set is not on that line.
     pub(super) fn stand(&self, p: &Point3) -> Option<Stand> {
-        if let Some(side) = self.side(p) {
+        if let Some(side) = self.side(p, 0) {
             return self.stand_below(side, p);
         }
         let (f, gradient) = self.tape.gradient(p);

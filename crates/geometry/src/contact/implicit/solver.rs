@@ -41,8 +41,8 @@ impl DepthField for PlacedShape<'_> {
         self.tool.depth_m(&self.pose.inverse_transform_point(p))
     }
 
-    fn side(&self, p: &Point3) -> Option<usize> {
-        self.tool.side(&self.pose.inverse_transform_point(p))
+    fn side(&self, p: &Point3, after: usize) -> Option<usize> {
+        self.tool.side(&self.pose.inverse_transform_point(p), after)
     }
 
     fn depth_below(&self, side: usize, p: &Point3) -> f64 {

@@ -54,7 +54,10 @@ impl DepthField for PlacedMesh<'_> {
             .0
     }
 
-    fn side(&self, p: &Point3) -> Option<usize> {
+    fn side(&self, p: &Point3, after: usize) -> Option<usize> {
+        if after > 0 {
+            return None;
+        }
         let p = self.pose.inverse_transform_point(p);
         let triangle = p
             .iter()
