@@ -9,6 +9,7 @@ mod inputs;
 mod methods;
 mod oracle;
 mod solids;
+mod still;
 mod surfaces;
 mod svg;
 
@@ -79,6 +80,9 @@ pub fn contact(effort: Effort, cases: Cases<'_>, out: &mut dyn FnMut(Row)) {
     }
     if wanted("self/sausage") {
         suite.sausage("self/sausage");
+    }
+    if cases.are_chosen() {
+        suite.still(&wanted);
     }
     for percent in AREAS {
         for name in ["", "/sphere", "/plane"] {

@@ -380,18 +380,6 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
         }
     }
     let set = &scratch_pair.set;
-    if std::env::var("DBG").is_ok() {
-        println!("-- anchor {:.6?} free {:.6?}", anchor.place, free.place);
-        for c in set.contacts() {
-            println!(
-                "   {:?} d {:.3e} n {:.4?} tool {:.6?}",
-                c.point,
-                c.depth_m,
-                c.normal.as_slice(),
-                c.on_tool.coords.as_slice()
-            );
-        }
-    }
     proxy.touching = false;
     if (set.contacts().iter()).any(|contact| contact.depth_m > -margin) {
         proxy.touch();
@@ -427,13 +415,15 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
         }
     }
     let warm = &state.warm[..state.warm_len];
-    if tool.coupling.turns() && view.is_none() {
+    let edges_known = tool.shape.features().is_some();
+    if view.is_none() && (edges_known || tool.coupling.turns()) {
         let side = if proxy.below { -1.0 } else { 1.0 };
         let stance = Stance {
             pose: &pose,
             size_m: body.size_m,
             side,
             margin_m: margin,
+            remembers: !edges_known,
         };
         return push_manifold(
             rows,

@@ -1,11 +1,10 @@
-//! Where a tool that may turn rests on a rigid body.
+//! Where a tool rests on a rigid body: points of the tool, each with its number as long as it lasts.
 //!
-//! A bar that lies flat touches along a line, and a query answers with one point of it. With that
-//! row alone the bar would tip over it, to be found at its other end in the next tick: it would
-//! rock for ever. So the points of the tool that touched are remembered, in the tool's frame; each
-//! is looked up again where the tool now stands, by descent from its last foot. A point of the tool
-//! may never be inside of the body, so such a row is right wherever the tool has rolled to
-//! meanwhile.
+//! Of a tool whose edges are not known a query answers with one point where it lies along a line. With that row alone a
+//! bar that may turn would tip over it, to be found at its other end in the next tick: it would rock for ever. So the
+//! points of such a tool that touched are remembered, in the tool's frame; each is looked up again where the tool now
+//! stands, by descent from its last foot. A point of the tool may never be inside of the body, so such a row is right
+//! wherever the tool has rolled to meanwhile.
 
 use super::feet::{MAX_FEET, Way, push_foot};
 use super::{BodyScratch, WarmRow};
@@ -25,10 +24,11 @@ pub(super) struct Stance<'a> {
     /// +1, or −1 below a sheet.
     pub side: f64,
     pub margin_m: f64,
+    /// Points that touched are looked up again.
+    pub remembers: bool,
 }
 
-/// Rows of the contacts found now and of those remembered from the last tick; each keeps its number
-/// as long as it lasts.
+/// Rows of the contacts found now, and perhaps of those remembered from the last tick.
 pub(super) fn push_manifold(
     rows: &mut RowSet,
     p: usize,
@@ -80,7 +80,7 @@ pub(super) fn push_manifold(
         points[count] = contact.on_tool;
         count += 1;
     }
-    for (number, row) in old() {
+    for (number, row) in old().filter(|_| stance.remembers) {
         let on_tool = place(row);
         if count == MAX_FEET
             || taken >> number & 1 == 1

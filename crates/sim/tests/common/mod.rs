@@ -110,6 +110,12 @@ impl World {
         self.silent_in_place().clone()
     }
 
+    /// Mean of a body's control points, m; `net` has room for them.
+    pub fn centre(&self, body: usize, net: &mut [Point3]) -> Point3 {
+        self.state.copy_net(&self.scene, body, net);
+        Point3::from(net.iter().map(|p| p.coords).sum::<Vector3>() / net.len() as f64)
+    }
+
     /// Brings what deforms to rest: dynamic relaxation with kinetic damping (Cundall 1976, Barnes
     /// 1999). Ticks go on as `tick` says, and whenever the kinetic energy of a body falls from one to
     /// the next, its velocities are taken away; equilibria are those of the ticks themselves. Ends

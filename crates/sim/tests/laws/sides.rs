@@ -2,7 +2,7 @@
 //! sides round the rim.
 
 use crate::common::World;
-use palpate_geometry::math::{Point3, Vector3};
+use palpate_geometry::math::{Point3, Random, Vector3};
 use palpate_geometry::surface::ClosestSolver;
 
 const SHEET: &str = include_str!("../../../../scenes/sheet.toml");
@@ -432,5 +432,131 @@ fn a_loop_that_stalls_lets_no_tool_through_a_sheet() {
                 after.force_n
             );
         }
+    }
+}
+
+/// A gel ball of 20 mm just above the sheet of 0.1 m, at a place; nothing holds it.
+fn ball_above_a_sheet(model: &str, at: [f64; 3]) -> String {
+    let lattice = match model {
+        "net" => "",
+        "membrane" => "lattice = { thickness_m = 0.002, refine = \"none\" }",
+        _ => "lattice = { layers = 3, refine = [10, 10] }",
+    };
+    format!(
+        r#"
+[gravity]
+acceleration = [0, 0, -9.81]
+[[body]]
+id = "floor"
+surface = {{ builtin = "sheet", size = 0.1 }}
+[[body]]
+id = "ball"
+surface = {{ builtin = "sphere", size = 0.02 }}
+model = "{model}"
+pose = {{ position = {at:?} }}
+material = {{ young_pa = 50e3, damping_s = 2e-3 }}
+{lattice}
+[[tool]]
+id = "far"
+shape = {{ point = {{}} }}
+pose = {{ position = [5, 5, 5] }}
+"#
+    )
+}
+
+// What is closed has an inside and a sheet has none, so a ball that falls past the edge is pushed by how deep the edge
+// is in the ball. Whatever it overlaps, it never has more energy than it began with.
+#[test]
+fn a_soft_ball_that_falls_past_the_edge_of_a_sheet_gains_nothing() {
+    let mut random = Random(40);
+    for model in ["lattice", "continuum", "net", "membrane"] {
+        for case in 0..4 {
+            let over_m = 1e-4 * (120.0_f64).powf(random.unit());
+            let along_m = match case % 2 {
+                0 => 0.06 * (random.unit() - 0.5),
+                // Past the corner.
+                _ => 0.05 + 0.015 * random.unit(),
+            };
+            let at = [0.05 + 0.02 - over_m, along_m, 0.0202];
+            let mut world = World::new(&ball_above_a_sheet(model, at));
+            let mut net = vec![Point3::origin(); world.scene.rest_surface(1).net().points().len()];
+            let mut last = world.centre(1, &mut net);
+            let start = last;
+            for k in 0..250 {
+                let out = world.silent_in_place();
+                assert!(out.fault.is_none(), "{model} {case}: {:?}", out.fault);
+                let now = world.centre(1, &mut net);
+                let speed = (now - last) * 1e3;
+                last = now;
+                let gained = 0.5 * speed.norm_squared() + 9.81 * (now.z - start.z);
+                assert!(
+                    gained < 1e-3,
+                    "{model}, over by {over_m}: {gained} J/kg in tick {k}"
+                );
+            }
+            // Those that graze fall on, below the sheet.
+            assert!(
+                over_m > 5e-3 || last.z < -0.1,
+                "{model}, over by {over_m}: {last}"
+            );
+        }
+    }
+}
+
+/// Round the rim at x = 0.05: from above the sheet to below it, at a distance from it.
+fn round_the_rim(share: f64, away_m: f64) -> [f64; 3] {
+    let (flat_m, bend_m) = (0.01, std::f64::consts::PI * away_m);
+    let way_m = share * (2.0 * flat_m + bend_m);
+    let (x, z) = if way_m < flat_m {
+        (0.04 + way_m, away_m)
+    } else if way_m < flat_m + bend_m {
+        let angle = (way_m - flat_m) / away_m;
+        (0.05 + away_m * angle.sin(), away_m * angle.cos())
+    } else {
+        (0.05 - (way_m - flat_m - bend_m), -away_m)
+    };
+    [x, 0.002, z]
+}
+
+// There and back again: what a hand is pushed away with, it gets back, and it is pushed away from the sheet all the way.
+#[test]
+fn a_ball_that_goes_round_the_rim_and_back_is_pushed_away_all_the_way() {
+    for radius_m in [0.003, 0.01] {
+        let text = format!(
+            r#"
+[[body]]
+id = "floor"
+surface = {{ builtin = "sheet", size = 0.1 }}
+[[tool]]
+id = "ball"
+shape = {{ sphere = {{ radius_m = {radius_m} }} }}
+pose = {{ position = [0.04, 0.002, 0.03] }}
+coupling = {{ stiffness_n_m = 1000.0 }}
+device = {{ ramp_s = 0.0, speed_max_m_s = 1e6, force_max_n = 100.0 }}
+"#
+        );
+        let mut world = World::new(&text);
+        let away_m = radius_m - 3e-4;
+        for k in 0..200 {
+            world.at([0.04, 0.002, 0.03 + (away_m - 0.03) * f64::from(k) / 199.0]);
+        }
+        let ticks = 4_000;
+        let (mut work_j, mut along_j) = (0.0, 0.0);
+        let mut last = Point3::from(round_the_rim(0.0, away_m));
+        for k in 1..=2 * ticks {
+            let share = f64::from(if k <= ticks { k } else { 2 * ticks - k }) / f64::from(ticks);
+            let hand = Point3::from(round_the_rim(share, away_m));
+            let force = world.at(hand.coords.into()).tools[0].contact_force_n;
+            let foot = Point3::new(hand.x.min(0.05), hand.y, 0.0);
+            let push_n = force.dot(&(hand - foot).normalize());
+            assert!(
+                (push_n - 0.3).abs() < 3e-3,
+                "radius {radius_m}, tick {k} at {hand}: {force:?}"
+            );
+            work_j += force.dot(&(hand - last));
+            along_j += force.norm() * (hand - last).norm();
+            last = hand;
+        }
+        assert!(work_j.abs() < 1e-4 * along_j, "{work_j} J of {along_j}");
     }
 }

@@ -172,19 +172,20 @@ impl DepthSearch {
                 continue;
             }
             let p = point(start);
-            let first = self.side_below(field, &p, 0);
-            self.climb_from(start, first, field, margin_m, beside, &point);
+            let Some(first) = self.side_below(field, &p, 0) else {
+                self.climb_from(start, None, field, margin_m, beside, &point);
+                continue;
+            };
             // Beside an edge the start stands for the sides that meet there.
-            for after in 1..MOST_SIDES {
-                let Some(side) = self
-                    .side_below(field, &p, after)
-                    .filter(|_| first.is_some())
-                else {
+            let nearest_m = field.depth_below(first, &p);
+            for after in 0..MOST_SIDES {
+                let side = self.side_below(field, &p, after);
+                let meets =
+                    |side: &usize| field.depth_below(*side, &p) - nearest_m < self.spacing_m;
+                let Some(side) = side.filter(meets) else {
                     break;
                 };
-                if field.depth_below(side, &p) - here < self.spacing_m {
-                    self.climb_from(start, Some(side), field, margin_m, beside, &point);
-                }
+                self.climb_from(start, Some(side), field, margin_m, beside, &point);
             }
         }
         // What has kinks was climbed coarsely; now that there are few, exactly.

@@ -10,6 +10,8 @@ use crate::surface::{ClosestPoint, ClosestSolver, Closing, Surface};
 const LOOKS: usize = 16;
 /// Of these, each so many is a fixed point.
 const EVERY: usize = LOOKS / FIXED;
+/// Corners of one block, whose ball is asked for before they are.
+const BLOCK: usize = 8;
 /// Looks a span of the surface.
 const LOOKS_OF_SPAN: f64 = 2.0;
 /// Slopes of the distance along an edge below this are level.
@@ -33,9 +35,31 @@ pub struct FeatureSearch {
     closed: bool,
     /// The ends of u and v are apart.
     open: [bool; 2],
-    corners: Vec<Option<ClosestPoint>>,
+    /// (corners): what is known of each.
+    corners: Vec<CornerGap>,
+    /// (⌈corners / BLOCK⌉): centre and radius of a ball around so many corners, in the tool's frame, m.
+    blocks: Vec<(Point3, f64)>,
     found: ContactSet,
     tops: Vec<Contact>,
+}
+
+/// How near a corner is to the body.
+#[derive(Clone, Copy, Debug)]
+struct CornerGap {
+    /// It is no nearer than this, m; negative inside.
+    least_m: f64,
+    /// Where it was looked for.
+    foot: Option<ClosestPoint>,
+}
+
+/// A ball around points: centre and radius, m.
+fn ball_around(points: &[Point3]) -> (Point3, f64) {
+    let (low, high) = points
+        .iter()
+        .fold((points[0], points[0]), |(l, h), p| (l.inf(p), h.sup(p)));
+    let centre = nalgebra::center(&low, &high);
+    let away = points.iter().map(|p| (p - centre).norm());
+    (centre, away.fold(0.0, f64::max))
 }
 
 /// The body as features see it.
@@ -44,7 +68,6 @@ struct Below<'a> {
     solver: &'a mut ClosestSolver,
     side: f64,
     open: [bool; 2],
-    closed: bool,
 }
 
 impl Below<'_> {
@@ -88,6 +111,10 @@ impl Below<'_> {
         (0..2).any(|k| at_end[k] && self.open[k])
     }
 
+    fn gap_m(&mut self, p: &Point3) -> f64 {
+        self.side * self.closest(p).signed_distance
+    }
+
     fn closest(&mut self, p: &Point3) -> ClosestPoint {
         self.solver.closest(self.surface, p)
     }
@@ -112,7 +139,14 @@ impl FeatureSearch {
                 .topology()
                 .closing
                 .map(|closing| closing == Closing::Open),
-            corners: vec![None; features.corners.len()],
+            corners: vec![
+                CornerGap {
+                    least_m: f64::INFINITY,
+                    foot: None,
+                };
+                features.corners.len()
+            ],
+            blocks: features.corners.chunks(BLOCK).map(ball_around).collect(),
             found: ContactSet::new(),
             tops: Vec::with_capacity(crate::contact::MAX_CONTACTS),
         }
@@ -137,6 +171,7 @@ impl FeatureSearch {
         let Self {
             found: set,
             corners,
+            blocks,
             ..
         } = self;
         set.clear();
@@ -146,21 +181,43 @@ impl FeatureSearch {
             .fold((points[0], points[0]), |(l, h), p| (l.inf(p), h.sup(p)));
         let behind_m = if closed { 0.0 } else { size_m };
         let within_m = reach.margin_m + behind_m + 1e-9 * size_m;
-        let near = |p: &Point3, radius_m: f64| {
-            distance_squared_to_box(p, &low, &high).sqrt() <= radius_m + within_m
-        };
+        let away_m = |p: &Point3| distance_squared_to_box(p, &low, &high).sqrt();
+        let near = |p: &Point3, radius_m: f64| away_m(p) <= radius_m + within_m;
         let mut below = Below {
             surface,
             solver,
             side,
             open,
-            closed,
         };
-        for (corner, found) in features.corners.iter().zip(&mut *corners) {
-            let p = pose * corner;
-            *found = near(&p, 0.0).then(|| below.closest(&p));
-            if let Some(foot) = found {
-                push(set, reach, below.contact(foot, &p, ToolPoint::Corner));
+        // The distance changes by no more than the way.
+        for (block, (centre, radius_m)) in blocks.iter().enumerate() {
+            let first = block * BLOCK;
+            let last = corners.len().min(first + BLOCK);
+            let centre = pose * centre;
+            let is_near = near(&centre, *radius_m);
+            let least_m = match is_near {
+                false => away_m(&centre) - radius_m,
+                true if last - first == 1 => f64::NEG_INFINITY,
+                true => below.gap_m(&centre) - radius_m,
+            };
+            for k in first..last {
+                corners[k] = CornerGap {
+                    least_m,
+                    foot: None,
+                };
+                let p = pose * features.corners[k];
+                if !is_near || least_m > reach.margin_m {
+                    continue;
+                }
+                corners[k].least_m = away_m(&p);
+                if near(&p, 0.0) {
+                    let foot = below.closest(&p);
+                    corners[k] = CornerGap {
+                        least_m: side * foot.signed_distance,
+                        foot: Some(foot),
+                    };
+                    push(set, reach, below.contact(&foot, &p, ToolPoint::Corner));
+                }
             }
         }
         for edge in &features.edges {
@@ -210,7 +267,7 @@ impl FeatureSearch {
 /// The least distances along an edge, and the fixed points of a round one.
 fn along(
     edge: &Edge,
-    corners: &[Option<ClosestPoint>],
+    corners: &[CornerGap],
     spacing_m: f64,
     pose: &Pose,
     below: &mut Below<'_>,
@@ -227,21 +284,15 @@ fn along(
     } else {
         ((length_m / spacing_m).ceil() as usize).clamp(1, LOOKS)
     };
-    // The distance changes by no more than the way: where both ends are farther, nothing between is near.
+    // Where both ends are farther than the way between them, nothing between is near.
     if let Edge::Segment { corners: ends, .. } = edge {
-        let gap = |corner: usize| corners[corner].map(|foot| below.side * foot.signed_distance);
-        if below.closed
-            && let [Some(a), Some(b)] = ends.map(gap)
-            && a + b - length_m > 2.0 * reach.margin_m
-        {
+        let [a, b] = ends.map(|corner| corners[corner].least_m);
+        if a + b - length_m > 2.0 * reach.margin_m {
             return;
         }
     } else {
         let (centre, radius_m) = edge.ball();
-        if below.closed
-            && below.side * below.closest(&(pose * centre)).signed_distance
-                > radius_m + reach.margin_m
-        {
+        if below.gap_m(&(pose * centre)) > radius_m + reach.margin_m {
             return;
         }
     }
@@ -250,8 +301,8 @@ fn along(
     for k in 0..=looks {
         let (p, way) = point(at(k));
         let foot = match edge {
-            Edge::Segment { corners: ends, .. } if k == 0 => corners[ends[0]],
-            Edge::Segment { corners: ends, .. } if k == looks => corners[ends[1]],
+            Edge::Segment { corners: ends, .. } if k == 0 => corners[ends[0]].foot,
+            Edge::Segment { corners: ends, .. } if k == looks => corners[ends[1]].foot,
             Edge::Circle { .. } if k == looks => feet[0].map(|(foot, _)| foot),
             _ => None,
         };
