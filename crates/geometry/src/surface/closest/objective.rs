@@ -40,7 +40,8 @@ pub(super) trait Objective: Smooth {
     /// Lower bound over a box (least and greatest corner).
     fn box_bound(&self, low: [f64; 3], high: [f64; 3]) -> f64;
     /// Coefficients of A, and of W when rational, for a piece; returns how far rounding may have
-    /// moved A.
+    /// moved A / W. (Rounding moves a coefficient of A by a share of that of W, however unlike the
+    /// weights are, so bounds keep their digits where weights are small.)
     fn form(
         &self,
         pieces: &BezierPieces,
@@ -202,7 +203,10 @@ fn square_with<const K: usize>(
             x[1] - query.y * x[3],
             x[2] - query.z * x[3],
         ];
-        let square = r[0] * r[0] + r[1] * r[1] + r[2] * r[2];
+        let mut square = r[0] * r[0] + r[1] * r[1] + r[2] * r[2];
+        if rational {
+            square /= x[3] * x[3];
+        }
         largest = if square > largest { square } else { largest };
         for c in 0..3 {
             d[c][k] = factors[k] * r[c];
@@ -303,7 +307,8 @@ impl Objective for Along {
         let points = pieces.points(piece);
         for (a, x) in a.iter_mut().zip(points) {
             *a = self.value(x[0], x[1], x[2]);
-            largest = if a.abs() > largest { a.abs() } else { largest };
+            let height = a.abs() / if pieces.is_rational() { x[3] } else { 1.0 };
+            largest = if height > largest { height } else { largest };
         }
         if pieces.is_rational() {
             w.iter_mut().zip(points).for_each(|(w, x)| *w = x[3]);
