@@ -12,7 +12,7 @@
 //! lies) count as one. Work is bounded: after some thousand parts, places that differ by up to
 //! 5e-10 of the size count as equal, and after a few thousand more the search stops and says so.
 
-use super::bernstein::{MAX_ORDER, greatest};
+use super::bernstein::MAX_ORDER;
 use super::judge::{Judge, ends, pole_at, steep};
 use super::newton::{Descent, NewtonPlace, OnPieces, descend_between};
 use super::objective::{Along, Distance, Objective, Tables};
@@ -191,7 +191,7 @@ impl Minima {
                 borders,
                 widths: [part.s[1] - part.s[0], part.t[1] - part.t[0]],
                 ceiling: hunt.ceiling,
-                noise,
+                noise: noise.absolute,
                 equal: 0.0,
             };
             let claim = if rational {
@@ -207,7 +207,7 @@ impl Minima {
                             form[x] = a[x] - f * w[x];
                         }
                     }
-                    setting.noise *= 2.0 * greatest(w);
+                    setting.noise = 2.0 * noise.on(w);
                     claim([&self.forms[0], &self.forms[1]], (a, w), nu, nv, &setting)
                 }
             } else if above(a, hunt.ceiling) {

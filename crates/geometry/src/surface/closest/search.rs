@@ -7,8 +7,8 @@
 //! whole piece; else by its halves. A value below starts a descent, which lowers β.
 
 use super::bernstein::{
-    MAX_ORDER, Verdict, convex_verdict, curvature, edge_verdict, first_differences, greatest,
-    halve_u, halve_v, least,
+    MAX_ORDER, Verdict, convex_verdict, curvature, edge_verdict, first_differences, halve_u,
+    halve_v, least,
 };
 use super::newton::{Descent, NewtonPlace, OnPieces, descend_over};
 use super::objective::{Objective, Tables};
@@ -294,10 +294,11 @@ impl Search {
             let (g, floor, noise) = if rational {
                 let w = &self.w[slot..slot + len];
                 for x in 0..len {
-                    self.g[x] = self.a[slot + x] - (value - noise) * w[x];
+                    self.g[x] = self.a[slot + x] - (value - noise.of_w) * w[x];
                 }
-                (&self.g[..len], 0.0, noise * greatest(w))
+                (&self.g[..len], -noise.absolute, noise.on(w))
             } else {
+                let noise = noise.absolute;
                 (&self.a[slot..slot + len], value - noise, noise)
             };
             let finding = look(g, nu, nv, floor, noise, || part.nearest(pieces, best.place));

@@ -12,7 +12,7 @@
 //! matrix with diagonal a, b and |off-diagonal| ≤ g stays positive while the entries change by less
 //! than θa, θb and θ√(ab), θ = (1 − g / √(ab)) / 2.
 
-use super::bernstein::{curvature, greatest, least, restrict_u, restrict_v};
+use super::bernstein::{curvature, least, restrict_u, restrict_v};
 use super::newton::Descent;
 use super::objective::{Distance, Objective, Tables};
 use super::search::{Search, SearchPart};
@@ -282,9 +282,9 @@ fn slacks(
             }
             let bend = curvature(a, nu, nv);
             let noise = if rational {
-                noise * greatest(&search.w[..len])
+                noise.on(&search.w[..len])
             } else {
-                noise
+                noise.absolute
             };
             if !bend.convex(64.0 * noise) || count == out.len() {
                 return None;
@@ -496,11 +496,11 @@ fn gap_outside(
             let floor = squared(CLAIM * upper);
             let clear = if rational {
                 for x in 0..len {
-                    search.g[x] = search.a[slot + x] - (floor + noise) * search.w[slot + x];
+                    search.g[x] = search.a[slot + x] - (floor + noise.of_w) * search.w[slot + x];
                 }
-                least(&search.g[..len]) >= 0.0
+                least(&search.g[..len]) >= noise.absolute
             } else {
-                least(&search.a[slot..slot + len]) >= floor + noise
+                least(&search.a[slot..slot + len]) >= floor + noise.absolute
             };
             if clear {
                 search.parts.pop();
