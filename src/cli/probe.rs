@@ -45,6 +45,9 @@ struct ProbeRow {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     spheres: Vec<SpheresRow>,
     settled: bool,
+    /// Pieces of surfaces that searches gave up on the way, if any: contacts may be missing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pieces_given_up: Option<u64>,
 }
 
 #[derive(Debug, Serialize)]
@@ -166,6 +169,12 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     }
     for pose in poses {
         let row = probe(&scene, tool, &pose);
+        if let Some(count) = row.pieces_given_up {
+            eprintln!(
+                "note: line {}: searches gave up {count} pieces of surfaces that needed too much work; contacts may be missing",
+                pose.seq
+            );
+        }
         if args.json {
             println!("{}", serde_json::to_string(&row)?);
         } else {
@@ -275,6 +284,7 @@ fn probe(scene: &Scene, tool: usize, pose: &DevicePose) -> ProbeRow {
         .iter()
         .filter(|contact| contact.holder == Holder::Tool(tool as u32));
     let counters = scratch.spheres_counters(scene);
+    let pieces_given_up = Some(scratch.pieces_given_up()).filter(|&count| count > 0);
     let out = &out.tools[tool];
     ProbeRow {
         position: pose.position.coords.into(),
@@ -292,5 +302,6 @@ fn probe(scene: &Scene, tool: usize, pose: &DevicePose) -> ProbeRow {
             .map(|(holder, body, counters)| SpheresRow::new(holder, body, counters))
             .collect(),
         settled,
+        pieces_given_up,
     }
 }

@@ -80,6 +80,8 @@ pub(super) struct Loaded {
     /// Surfaces in the file.
     count: usize,
     left_out: LeftOut,
+    /// What was set right as it was read, and where it is open by little.
+    notes: Vec<String>,
 }
 
 impl SurfaceArg {
@@ -101,10 +103,12 @@ impl SurfaceArg {
                 per_metre: 1.0,
                 count: 1,
                 left_out: LeftOut::default(),
+                notes: Vec::new(),
             });
         }
         let Imported {
             surface,
+            merged,
             count,
             unit,
             left_out,
@@ -132,8 +136,14 @@ impl SurfaceArg {
                 self.index
             );
         }
+        let mut notes: Vec<String> = merged.iter().map(ToString::to_string).collect();
+        notes.extend(surface.slits().iter().map(ToString::to_string));
+        for note in &notes {
+            eprintln!("note: {}: {note}", self.file.display());
+        }
         Ok(Loaded {
             surface,
+            notes,
             per_metre: per_metre(&unit),
             unit: unit.name().to_owned(),
             count,

@@ -6,8 +6,12 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 fn palpate(directory: &Path, arguments: &[&str]) -> Output {
+    run(directory, &[&["surface"], arguments].concat())
+}
+
+/// Any command.
+fn run(directory: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_palpate"))
-        .arg("surface")
         .args(arguments)
         .current_dir(directory)
         .output()
@@ -258,4 +262,74 @@ fn degrees_are_raised_without_a_change_and_lowered_with_a_bound() {
     );
     let refused = run(&["degree", "builtin:teardrop", "--u", "0", "-o", "x.json"]);
     assert_eq!(refused.status.code(), Some(2));
+}
+
+/// A sheet of degree (3, 2) with these knots in v, and as many columns.
+fn sheet_with(v: &[f64]) -> String {
+    let points: Vec<Vec<[f64; 3]>> = (0..4)
+        .map(|i| {
+            let bump = |j: usize| 0.003 * ((7 * i + 3 * j) as f64).sin();
+            (0..v.len() - 3)
+                .map(|j| [0.01 * i as f64, 0.01 * j as f64, bump(j)])
+                .collect()
+        })
+        .collect();
+    serde_json::json!({
+        "format": "palpate.surface.v1", "degree": [3, 2], "knots": [[0, 0, 0, 0, 1, 1, 1, 1], v], "points": points,
+    })
+    .to_string()
+}
+
+const ON_SHEET: &str = r#"
+[[body]]
+id = "sheet"
+surface = { file = "sheet.json" }
+[[tool]]
+id = "ball"
+shape = { sphere = { radius_m = 0.004 } }
+pose = { position = [0.015, 0.05, 0.03] }
+"#;
+
+#[test]
+fn knots_that_differ_in_their_last_digits_are_merged_with_a_note_or_refused_with_their_joint() {
+    let directory = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(directory.path().join(name), text).unwrap();
+    write("at.csv", "0.0105,0.0233,-0.0012\n");
+    write("scene.toml", ON_SHEET);
+    let (a, b, c) = (0.5, 0.5 + 1.2e-16, 0.5 + 2.3e-16);
+    let asked: [&[&str]; 4] = [
+        &["surface", "info", "sheet.json"],
+        &[
+            "surface",
+            "closest",
+            "sheet.json",
+            "--points",
+            "at.csv",
+            "--json",
+        ],
+        &["check", "scene.toml"],
+        &["probe", "scene.toml", "--poses", "at.csv"],
+    ];
+    for (knots, code, says) in [
+        (
+            vec![0.0, 0.0, 0.0, a, b, c, 1.0, 1.0, 1.0],
+            2,
+            "knots 3 to 5 in v differ in their last digits near 0.5",
+        ),
+        (
+            vec![0.0, 0.0, 0.0, a, b, 1.0, 1.0, 1.0],
+            0,
+            "knots 3 to 4 in v differ in their last digits and were made 0.5",
+        ),
+    ] {
+        write("sheet.json", &sheet_with(&knots));
+        for arguments in asked {
+            let output = run(directory.path(), arguments);
+            let said = String::from_utf8_lossy(&output.stderr).into_owned();
+            assert_eq!(output.status.code(), Some(code), "{arguments:?}: {said}");
+            assert!(said.contains(says), "{arguments:?}: {said}");
+        }
+    }
+    let foot = &lines(&run(directory.path(), asked[1]))[0];
+    assert_eq!(foot["certified"], true);
 }

@@ -1,7 +1,7 @@
 //! `palpate surface pipe` as scripts use it: curves in, bounds and surfaces out, exit codes.
 
 use palpate_geometry::math::Point3;
-use palpate_geometry::surface::{ClosestSolver, Closing, file};
+use palpate_geometry::surface::{ClosestSolver, Closing, Loaded, file};
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -88,7 +88,7 @@ fn a_radius_is_answered_and_its_pipe_written_only_where_it_is_free() {
         (Some(0), Some(true))
     );
     assert!(json(&free)["surface"]["deviation"].as_f64().unwrap() <= 1.03e-6);
-    let (surface, unit) =
+    let (Loaded { surface, .. }, unit) =
         file::read_with_unit(&std::fs::read_to_string(at("pipe.json")).unwrap()).unwrap();
     assert_eq!(
         (unit.name(), surface.topology().closing),

@@ -46,7 +46,7 @@ const DEFAULT_TOLERANCE: f64 = 1e-3;
 /// Raises
 /// ------
 /// SurfaceError
-///     Knots, net and weights that do not fit together.
+///     Knots, net and weights that do not fit together, or knots that differ in their last digits.
 #[pyclass(frozen, module = "palpate")]
 #[derive(Clone)]
 pub struct Surface {
@@ -158,7 +158,8 @@ impl Surface {
                 Some(slice(&array).to_vec())
             }
         };
-        let made = surface::Surface::new(u, v, net, weights).map_err(surface_error)?;
+        let made = surface::Surface::new(u, v, net, weights).and_then(surface::Surface::loaded);
+        let made = made.map_err(surface_error)?.surface;
         Ok(Self::of(made.with_flip_normal(flip_normal)))
     }
 

@@ -20,6 +20,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         per_metre,
         count,
         left_out,
+        notes,
     } = args.source.load()?;
     let topology = surface.topology();
     let closed = topology.is_closed();
@@ -48,7 +49,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         "unit": unit, "surfaces": count,
         "left_out": { "faces": left_out.faces, "other_faces": left_out.other_faces, "trimmed": left_out.trimmed,
             "placements": left_out.placements },
-        "rational": surface.weights().is_some(), "closed": closed,
+        "notes": notes, "rational": surface.weights().is_some(), "closed": closed,
         "flip_normal": surface.flip_normal(),
         "u": direction(surface.knots_u(), 0), "v": direction(surface.knots_v(), 1),
         "net_bounds": [corner(bounds.0), corner(bounds.1)], "size": scaled(surface.size(), 1),

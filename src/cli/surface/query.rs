@@ -86,9 +86,13 @@ pub fn closest(args: &ClosestArgs) -> anyhow::Result<Outcome> {
         surface, per_metre, ..
     } = args.source.load()?;
     let mut solver = ClosestSolver::new(&surface);
+    let mut uncertified = 0;
     for NumberLine { values, .. } in numbers::read(&args.points, &[3], "x,y,z")? {
         let query = Point3::new(values[0], values[1], values[2]) / per_metre;
+        let given_up = solver.pieces_given_up();
         let foot = solver.closest(&surface, &query);
+        let certified = solver.pieces_given_up() == given_up;
+        uncertified += usize::from(!certified);
         let point = [foot.point.x, foot.point.y, foot.point.z].map(|x| x * per_metre);
         let distance = foot.distance * per_metre;
         if !args.json {
@@ -103,8 +107,14 @@ pub fn closest(args: &ClosestArgs) -> anyhow::Result<Outcome> {
         let normal = [foot.normal.x, foot.normal.y, foot.normal.z];
         let out = serde_json::json!({
             "u": foot.u, "v": foot.v, "point": point, "normal": normal, "distance": distance, "curvature": curvature,
+            "certified": certified,
         });
         println!("{out}");
+    }
+    if uncertified > 0 {
+        eprintln!(
+            "note: {uncertified} answers are not certified: a piece of the surface needed too much work, and something on it may be nearer"
+        );
     }
     Ok(Outcome::Ok)
 }

@@ -18,6 +18,7 @@ pub use write::write;
 
 use super::spline::SplineError;
 use super::{Imported, Pick};
+use crate::surface::Loaded;
 use sections::File;
 
 /// Why an IGES file was refused.
@@ -163,7 +164,7 @@ pub fn read(bytes: &[u8], pick: Pick) -> Result<Imported, IgesError> {
     };
     let unit = file.unit()?;
     let (values, ranges) = read::surface(&file, id, &unit)?;
-    let surface = values
+    let Loaded { surface, merged } = values
         .build()
         .map_err(|source| IgesError::Spline { id, source })?;
     for (direction, knots, (start, end)) in [
@@ -192,6 +193,7 @@ pub fn read(bytes: &[u8], pick: Pick) -> Result<Imported, IgesError> {
     let left_out = faces::left_out(&file, id, &ids, &surface, &unit);
     Ok(Imported {
         surface,
+        merged,
         id,
         count: ids.len(),
         unit,

@@ -49,7 +49,7 @@ pub use units::LengthUnit;
 
 use crate::math::Point3;
 use crate::surface::file::Unit;
-use crate::surface::{FileError, Mesh, Surface, file};
+use crate::surface::{FileError, Loaded, MergedKnots, Mesh, Surface, file};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -151,6 +151,8 @@ impl fmt::Display for Pick {
 pub struct Imported {
     /// The surface, m.
     pub surface: Surface,
+    /// Knots of the file that were made one.
+    pub merged: Vec<MergedKnots>,
     /// Its number in the file (0 where files have none).
     pub id: u64,
     /// How many surfaces the file has that could have been picked.
@@ -272,10 +274,11 @@ pub fn read_surface(bytes: &[u8], format: Format, pick: Pick) -> Result<Imported
             let text = std::str::from_utf8(bytes).map_err(|error| ExchangeError::Text {
                 at: error.valid_up_to(),
             })?;
-            let (surface, unit) = file::read_with_unit(text)?;
+            let (Loaded { surface, merged }, unit) = file::read_with_unit(text)?;
             let unit = LengthUnit::of_metres(unit.name(), 1.0, unit.per_metre());
             Ok(Imported {
                 surface,
+                merged,
                 id: 0,
                 count: 1,
                 unit,

@@ -8,7 +8,7 @@
 
 use crate::basis::{KnotError, KnotVector, MAX_DEGREE};
 use crate::math::Point3;
-use crate::surface::{ControlNet, Surface, SurfaceError};
+use crate::surface::{ControlNet, Loaded, SAME_POINT, Surface, SurfaceError};
 
 /// Why values of a file make no surface, or a surface no file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -73,7 +73,7 @@ struct SplineAxis {
 
 impl FileSurface {
     /// Our surface: the same points at the same parameters.
-    pub fn build(self) -> Result<Surface, SplineError> {
+    pub fn build(self) -> Result<Loaded, SplineError> {
         let (rows, columns) = (self.rows, self.columns);
         let needed = rows * columns;
         if let Some(weights) = self.weights.as_ref().filter(|w| w.len() != needed) {
@@ -86,12 +86,11 @@ impl FileSurface {
         // Counted before anything is picked from it.
         let net = ControlNet::new(rows, columns, self.points).map_err(SurfaceError::from)?;
         let points = net.points();
+        let tolerance = SAME_POINT * net.size();
         let same = |a: usize, b: usize| {
-            points[a] == points[b]
-                && self
-                    .weights
-                    .as_ref()
-                    .is_none_or(|w| w[a].to_bits() == w[b].to_bits())
+            (points[a] - points[b]).norm() <= tolerance
+                && (self.weights.as_ref())
+                    .is_none_or(|w| (w[a] - w[b]).abs() <= SAME_POINT * w[a].abs())
         };
         let same_rows =
             |i: usize, k: usize| (0..columns).all(|j| same(i * columns + j, k * columns + j));
@@ -111,7 +110,7 @@ impl FileSurface {
             .map(|w| order.iter().map(|&k| w[k]).collect());
         let net =
             ControlNet::new(u.rows.len(), v.rows.len(), picked).map_err(SurfaceError::from)?;
-        Ok(Surface::new(u.knots, v.knots, net, weights)?)
+        Ok(Surface::new(u.knots, v.knots, net, weights)?.loaded()?)
     }
 }
 
@@ -286,4 +285,31 @@ pub(super) fn runs(knots: &[f64]) -> Runs {
         }
     }
     runs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::builtin;
+
+    // Read as an open direction, it would come apart where it deforms.
+    #[test]
+    fn points_that_repeat_but_for_rounding_close_a_period() {
+        let torus = builtin("torus", None, None).unwrap();
+        let mut written = Written::new(&torus).unwrap();
+        for point in written.points.iter_mut().rev().take(written.columns) {
+            point.x += 1e-13;
+        }
+        let file = FileSurface {
+            degrees: written.degrees,
+            knots: written.knots.map(|knots| runs(&knots)),
+            rows: written.rows,
+            columns: written.columns,
+            points: written.points,
+            weights: None,
+        };
+        let read = file.build().unwrap().surface;
+        assert!(read.knots_u().is_periodic() && read.knots_v().is_periodic());
+        assert_eq!(read.net(), torus.net());
+    }
 }

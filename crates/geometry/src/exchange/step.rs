@@ -26,7 +26,7 @@ pub use write::write;
 use super::spline::SplineError;
 use super::{Imported, Pick};
 use crate::math::Pose;
-use crate::surface::SurfaceError;
+use crate::surface::{Loaded, SurfaceError};
 use syntax::Exchange;
 
 /// Why a STEP file was refused.
@@ -154,7 +154,8 @@ pub fn read(bytes: &[u8], pick: Pick) -> Result<Imported, StepError> {
         .build()
         .map_err(|source| StepError::Spline { id, source })?;
     let flip = surface::face_sense(&exchange, id) == Some(false);
-    let surface = built.with_flip_normal(flip).oriented_outward();
+    let Loaded { surface, merged } = built;
+    let surface = surface.with_flip_normal(flip).oriented_outward();
     let mut left_out = faces::left_out(&exchange, id, &ids, &surface, &unit);
     let places = placement::places(&exchange, id, &unit)?;
     let surface = match places.as_slice() {
@@ -169,6 +170,7 @@ pub fn read(bytes: &[u8], pick: Pick) -> Result<Imported, StepError> {
     };
     Ok(Imported {
         surface,
+        merged,
         id,
         count: ids.len(),
         unit,

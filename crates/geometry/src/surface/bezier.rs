@@ -99,7 +99,7 @@ impl PieceDirection {
                 before: at(t[i]),
                 after: at(t[i + 1]),
                 first: i - p,
-                extraction: extraction(t, p, i),
+                extraction: extraction(t, p, i, [t[i], t[i + 1]]),
             })
             .collect();
         let n = spans.len();
@@ -170,9 +170,9 @@ impl PieceDirection {
     }
 }
 
-/// Extraction matrix of span `i`: row k blossoms each basis function at `degree − k` times the
-/// start and k times the end.
-fn extraction(t: &[f64], p: usize, i: usize) -> Vec<f64> {
+/// Extraction matrix of span `i` over an interval: row k blossoms each basis function at
+/// `degree − k` times its start and k times its end.
+pub(super) fn extraction(t: &[f64], p: usize, i: usize, [start, end]: [f64; 2]) -> Vec<f64> {
     let n = p + 1;
     let mut out = vec![0.0; n * n];
     for k in 0..n {
@@ -180,7 +180,7 @@ fn extraction(t: &[f64], p: usize, i: usize) -> Vec<f64> {
         let mut share = [0.0; MAX_DEGREE + 1];
         share[p] = 1.0;
         for r in (1..=p).rev() {
-            let x = if r <= p - k { t[i] } else { t[i + 1] };
+            let x = if r <= p - k { start } else { end };
             // Step r of de Boor: d_j ← (1 − a_j) d_{j−1} + a_j d_j for j = r ..= p; transposed,
             // from the last step back.
             let mut next = [0.0; MAX_DEGREE + 1];

@@ -22,13 +22,7 @@ pub(super) const RATIONAL_NODES: usize = 24;
 impl Surface {
     /// Diagonal of the net's bounding box, m: the length that tolerances are relative to.
     pub fn size(&self) -> f64 {
-        let mut low = self.net().points()[0];
-        let mut high = low;
-        for point in self.net().points() {
-            low = low.inf(point);
-            high = high.sup(point);
-        }
-        (high - low).norm()
+        self.net().size()
     }
 
     /// Inside of the surface or on a periodic seam, and on no crease.
@@ -116,10 +110,12 @@ impl Surface {
         }
     }
 
-    /// Returns this surface with control points of seams and poles that agree within the tolerance
-    /// made equal bit for bit.
+    /// Returns this surface with control points of seams, joints and poles that agree within the
+    /// tolerance made equal bit for bit, and with them the weights of seams.
     pub fn with_exact_seams(mut self) -> Self {
-        let nodes = self.distinct_points(&self.topology());
+        let topology = self.topology();
+        let nodes = self.distinct_points(&topology);
+        self.match_weights(&topology);
         let mut place: Vec<Option<Point3>> = vec![None; nodes.count];
         for (point, &node) in self.net_mut().points_mut().iter_mut().zip(&nodes.of) {
             *point = *place[node].get_or_insert(*point);
@@ -127,8 +123,35 @@ impl Surface {
         self
     }
 
-    /// Which control points are one point: rows of a clamped seam, columns likewise, the rows of
-    /// clamped poles, and what [`Surface::joints`] finds on a branching surface.
+    /// Weights along the end of a seam: those along its start times one ratio, where they are not
+    /// already but for the last digits.
+    fn match_weights(&mut self, topology: &Topology) {
+        let (rows, columns) = (self.net().rows(), self.net().columns());
+        let Some(weights) = self.weights_mut() else {
+            return;
+        };
+        let mut copy = |first: &[usize], last: &[usize]| {
+            let ratio = weights[last[0]] / weights[first[0]];
+            for (&a, &b) in first.iter().zip(last) {
+                let wanted = ratio * weights[a];
+                if (weights[b] - wanted).abs() > 8.0 * f64::EPSILON * wanted {
+                    weights[b] = wanted;
+                }
+            }
+        };
+        let row = |i: usize| -> Vec<usize> { (0..columns).map(|j| i * columns + j).collect() };
+        let column = |j: usize| -> Vec<usize> { (0..rows).map(|i| i * columns + j).collect() };
+        if topology.closing[0] == Closing::Seam {
+            copy(&row(0), &row(rows - 1));
+        }
+        if topology.closing[1] == Closing::Seam {
+            copy(&column(0), &column(columns - 1));
+        }
+    }
+
+    /// Which control points are one point: rows of a clamped seam, columns likewise, those that an
+    /// open direction repeats, both sides of a knot that parts a surface which meets there, the rows
+    /// of clamped poles, and what [`Surface::joints`] finds on a branching surface.
     pub fn distinct_points(&self, topology: &Topology) -> DistinctPoints {
         let (rows, columns) = (self.net().rows(), self.net().columns());
         let clamped =
@@ -157,6 +180,14 @@ impl Surface {
                 .iter()
                 .enumerate()
                 .for_each(|(k, &first)| joined.join(k, first));
+        } else {
+            for (direction, [a, b]) in self.meeting_rows(topology) {
+                let count = [columns, rows][direction];
+                (0..count).for_each(|x| match direction {
+                    0 => joined.join(at(a, x), at(b, x)),
+                    _ => joined.join(at(x, a), at(x, b)),
+                });
+            }
         }
         let mut number = vec![usize::MAX; rows * columns];
         let mut count = 0;
@@ -171,8 +202,48 @@ impl Surface {
         DistinctPoints { count, of: number }
     }
 
+    /// Rows that agree within the tolerance, as (direction, both): of an open direction that repeats
+    /// its points, and on both sides of a disjoined knot.
+    fn meeting_rows(&self, topology: &Topology) -> Vec<(usize, [usize; 2])> {
+        let tolerance = SAME_POINT * self.size();
+        let mut found = Vec::new();
+        for (d, knots) in [self.knots_u(), self.knots_v()].into_iter().enumerate() {
+            let (p, n) = (knots.degree(), knots.count());
+            let agree = |pairs: &[[usize; 2]]| {
+                (pairs.iter()).all(|pair| {
+                    let [a, b] = pair.map(|row| self.control_row(d, row));
+                    coincide(&a, &b, tolerance)
+                })
+            };
+            let repeated: Vec<_> = (0..p).map(|k| [k, n - p + k]).collect();
+            let parted: Vec<_> = knots.parted_after().iter().map(|&k| [k, k + 1]).collect();
+            if topology.closing[d] == Closing::Touching && n >= 2 * p && agree(&repeated) {
+                found.extend(repeated.into_iter().map(|pair| (d, pair)));
+            }
+            let met = parted.into_iter().filter(|pair| agree(&[*pair]));
+            found.extend(met.map(|pair| (d, pair)));
+        }
+        found
+    }
+
+    /// Control points (with weights) of a row (direction 0) or a column.
+    pub(super) fn control_row(&self, direction: usize, row: usize) -> Vec<(Point3, f64)> {
+        let (rows, columns) = (self.net().rows(), self.net().columns());
+        let index = |x: usize| [row * columns + x, x * columns + row][direction];
+        let count = [columns, rows][direction];
+        let weight = |k: usize| self.weights().map_or(1.0, |w| w[k]);
+        (0..count)
+            .map(|x| (self.net().points()[index(x)], weight(index(x))))
+            .collect()
+    }
+
     /// Control points (with weights) of the curve at one parameter of a direction (0: u, 1: v).
-    fn iso_row(&self, direction: usize, parameter: f64, side: Side) -> Vec<(Point3, f64)> {
+    pub(super) fn iso_row(
+        &self,
+        direction: usize,
+        parameter: f64,
+        side: Side,
+    ) -> Vec<(Point3, f64)> {
         let (rows, columns) = (self.net().rows(), self.net().columns());
         let (knots, count, across) = if direction == 0 {
             (self.knots_u(), columns, rows)

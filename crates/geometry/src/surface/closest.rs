@@ -10,11 +10,15 @@
 //! distances the same way, by hulls). Minima at creases, seams, poles, open edges and disjoined
 //! knots are found because bounds do not ask for a vanishing gradient. The distance is never worse
 //! than the true minimum by more than 1e-9 of the surface's size (1e-12 unless whole curves are
-//! nearly equally close), or by rounding of the coordinates when the query is far away.
+//! nearly equally close), or by rounding of the coordinates when the query is far away. A piece that
+//! needs too much work is given up, the query is not; [`ClosestSolver::pieces_given_up`] tells that
+//! its answer is not certified.
 //!
 //! Nothing here allocates after [`ClosestSolver::new`].
 
 mod bernstein;
+#[cfg(test)]
+mod extreme_tests;
 mod field;
 mod judge;
 mod minima;
@@ -284,6 +288,12 @@ impl ClosestSolver {
     /// How many parts of pieces the last full search looked at.
     pub fn parts_visited(&self) -> usize {
         self.search.visited
+    }
+
+    /// How many pieces all searches so far gave up because they needed too much work. An answer
+    /// during which this has grown is not certified: something on such a piece may be nearer.
+    pub fn pieces_given_up(&self) -> u64 {
+        self.search.given_up
     }
 
     fn refresh(&mut self, surface: &Surface) {

@@ -8,7 +8,7 @@
 //! left out. Without `flip_normal` a closed surface is turned so that its normals point outwards,
 //! an open one has them along S_u × S_v.
 
-use super::{ControlNet, Surface, SurfaceError};
+use super::{ControlNet, Loaded, Surface, SurfaceError};
 use crate::basis::{KnotError, KnotVector, MAX_DEGREE};
 use crate::math::Point3;
 use serde_json::Value;
@@ -146,9 +146,9 @@ pub fn read(json: &str) -> Result<Surface, FileError> {
 ///
 /// # Errors
 /// See [`FileError`].
-pub fn read_with_unit(json: &str) -> Result<(Surface, Unit), FileError> {
+pub fn read_with_unit(json: &str) -> Result<(Loaded, Unit), FileError> {
     let document = serde_json::from_str(json)?;
-    Ok((from_value(&document)?, unit_of(&document)?))
+    Ok((load(&document)?, unit_of(&document)?))
 }
 
 fn unit_of(document: &Value) -> Result<Unit, FileError> {
@@ -165,6 +165,14 @@ fn unit_of(document: &Value) -> Result<Unit, FileError> {
 /// # Errors
 /// See [`FileError`].
 pub fn from_value(document: &Value) -> Result<Surface, FileError> {
+    Ok(load(document)?.surface)
+}
+
+/// [`from_value`], with what [`Surface::loaded`] changed.
+///
+/// # Errors
+/// See [`FileError`].
+pub fn load(document: &Value) -> Result<Loaded, FileError> {
     let Value::Object(map) = document else {
         return Err(wrong("the document", "an object", document));
     };
@@ -260,15 +268,17 @@ pub fn from_value(document: &Value) -> Result<Surface, FileError> {
         .map(|w| weights(w, rows, columns))
         .transpose()?;
     let net = ControlNet::new(rows, columns, points).map_err(SurfaceError::from)?;
-    let surface = Surface::new(knots_u, knots_v, net, weights)?;
-    match map.get("flip_normal") {
-        None => Ok(surface.oriented_outward()),
-        Some(Value::Bool(flip)) => Ok(surface.with_flip_normal(*flip)),
-        Some(other) => Err(wrong("flip_normal", "true or false", other)),
-    }
+    let loaded = Surface::new(knots_u, knots_v, net, weights)?.loaded()?;
+    let surface = match map.get("flip_normal") {
+        None => loaded.surface.oriented_outward(),
+        Some(Value::Bool(flip)) => loaded.surface.with_flip_normal(*flip),
+        Some(other) => return Err(wrong("flip_normal", "true or false", other)),
+    };
+    Ok(Loaded { surface, ..loaded })
 }
 
-/// The document of a surface; [`read`] gives the same surface back, in metres bit for bit.
+/// The document of a surface; [`read`] gives the same surface back, in metres bit for bit, but for
+/// what [`Surface::loaded`] sets right.
 pub fn write(surface: &Surface, unit: Unit) -> String {
     let columns = surface.net().columns();
     let scale = unit.per_metre();

@@ -93,6 +93,19 @@ impl ControlNet {
         &self.points
     }
 
+    /// Diagonal of the bounding box, m.
+    pub(crate) fn size(&self) -> f64 {
+        let Some(&first) = self.points.first() else {
+            return 0.0;
+        };
+        let (mut low, mut high) = (first, first);
+        for point in &self.points {
+            low = low.inf(point);
+            high = high.sup(point);
+        }
+        (high - low).norm()
+    }
+
     /// All points, to be moved; their number cannot change.
     pub fn points_mut(&mut self) -> &mut [Point3] {
         &mut self.points

@@ -6,7 +6,7 @@
 //! lengths measured from the net's centre.
 
 use super::lines::{Direction, LinePoint};
-use super::tensor::WEIGHTS;
+use super::tensor::{WEIGHTS, check_ratio};
 use super::{Surface, SurfaceError};
 use crate::basis::{BasisChange, KnotKind, KnotVector};
 use crate::math::{Point3, Vector3};
@@ -139,6 +139,9 @@ impl Surface {
         });
         if let Some(value) = fault {
             return Err(SurfaceError::Unweighable { value });
+        }
+        if let Some(weights) = surface.weights() {
+            check_ratio(weights)?;
         }
         let error_bound = match self.weights() {
             None => moved,

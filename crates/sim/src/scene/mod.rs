@@ -41,7 +41,7 @@ use crate::solve::rows::{Holder, most_rows};
 use palpate_geometry::contact::dispatch::{Method, Party};
 use palpate_geometry::contact::{ContactSamples, ToolShape};
 use palpate_geometry::math::{Point3, Rotation};
-use palpate_geometry::surface::{Mesh, Surface};
+use palpate_geometry::surface::{MergedKnots, Mesh, Surface};
 use spec::{Clock, SceneSpec};
 
 /// The constant of a simulation: built once, shared, never changed.
@@ -84,6 +84,8 @@ pub(crate) struct Body {
     pub size_m: f64,
     /// Open sheets can be touched from both sides.
     pub two_sided: bool,
+    /// Knots of its file that differed in their last digits.
+    pub merged_knots: Vec<MergedKnots>,
     pub model: BodyModel,
     /// What moves it, when it is rigid and not fixed.
     pub mover: Option<Mover>,

@@ -5,7 +5,7 @@ use super::spec::{MeshUnit, SurfaceSpec};
 use palpate_geometry::exchange::{self, Format, Pick};
 use palpate_geometry::surface::builtin::BUILTINS;
 use palpate_geometry::surface::file::Unit;
-use palpate_geometry::surface::{self, BuiltinError, CloudSpec, Shell, Surface};
+use palpate_geometry::surface::{self, BuiltinError, CloudSpec, Loaded, Shell, Surface};
 use std::path::Path;
 
 /// Control points of a surface that is fitted to a mesh, unless the scene gives them.
@@ -17,11 +17,16 @@ const FIT_TOLERANCE: f64 = 0.01;
 impl SurfaceSpec {
     /// Checks and builds the surface; `at` is its table.
     pub(super) fn surface(&self, at: &At<'_>) -> Option<Surface> {
+        Some(self.loaded(at)?.surface)
+    }
+
+    /// The surface, and what was set right as it was read.
+    pub(super) fn loaded(&self, at: &At<'_>) -> Option<Loaded> {
         self.check_keys(at)?;
         match (&self.builtin, &self.file, &self.inline) {
-            (Some(name), None, None) => self.builtin(name, at),
+            (Some(name), None, None) => self.builtin(name, at).map(as_it_is),
             (None, Some(file), None) => self.read(file, at),
-            (None, None, Some(value)) => at.key("inline").take(surface::file::from_value(value)),
+            (None, None, Some(value)) => at.key("inline").take(surface::file::load(value)),
             _ => at.refused("surface needs exactly one of builtin, file, inline"),
         }
     }
@@ -47,14 +52,14 @@ impl SurfaceSpec {
     }
 
     /// The one surface of a file.
-    fn read(&self, file: &Path, at: &At<'_>) -> Option<Surface> {
+    fn read(&self, file: &Path, at: &At<'_>) -> Option<Loaded> {
         let bytes = at.read_file("file", file)?;
         let full = at.directory().join(file);
         let named = |e: &dyn std::fmt::Display| format!("{}: {e}", full.display());
         let read = match Format::of(file) {
             Ok(Format::Step | Format::Iges) => self.cad_surface(file, &bytes),
             Ok(format @ (Format::Stl | Format::Obj | Format::Ply | Format::Glb)) => {
-                self.fitted(file, &bytes, format, at)?
+                self.fitted(file, &bytes, format, at)?.map(as_it_is)
             }
             Ok(Format::Points) => Err(format!(
                 "points alone make no body; fit a surface first: palpate import {}",
@@ -63,12 +68,13 @@ impl SurfaceSpec {
             // Whatever its name is.
             Ok(Format::Json) | Err(_) => std::str::from_utf8(&bytes)
                 .map_err(|e| e.to_string())
-                .and_then(|text| surface::file::read(text).map_err(|e| e.to_string())),
+                .and_then(|text| surface::file::read_with_unit(text).map_err(|e| e.to_string()))
+                .map(|(loaded, _)| loaded),
         };
         at.key("file").take(read.map_err(|e| named(&e)))
     }
 
-    fn cad_surface(&self, file: &Path, bytes: &[u8]) -> Result<Surface, String> {
+    fn cad_surface(&self, file: &Path, bytes: &[u8]) -> Result<Loaded, String> {
         let format = Format::of(file).map_err(|e| e.to_string())?;
         let pick = self.index.map_or(Pick::First, Pick::Index);
         let read = exchange::read_surface(bytes, format, pick).map_err(|e| e.to_string())?;
@@ -88,7 +94,10 @@ impl SurfaceSpec {
                 file.with_extension("json").display()
             ));
         }
-        Ok(read.surface)
+        Ok(Loaded {
+            surface: read.surface,
+            merged: read.merged,
+        })
     }
 
     /// A closed surface near the triangles of a file, within the tolerance. `None`: a problem at
@@ -159,7 +168,7 @@ impl SurfaceSpec {
             let bytes = at.read_file("file", file)?;
             at.key("file").take(serde_json::from_slice(&bytes))?
         } else {
-            let text = surface::file::write(&self.read(file, at)?, Unit::Metre);
+            let text = surface::file::write(&self.read(file, at)?.surface, Unit::Metre);
             at.key("file").take(serde_json::from_str(&text))?
         };
         // TOML, as which recordings keep the scene, has no null; absent says the same.
@@ -176,5 +185,13 @@ impl SurfaceSpec {
             inline: Some(document),
         };
         Some(())
+    }
+}
+
+/// Of a surface that needs nothing set right.
+fn as_it_is(surface: Surface) -> Loaded {
+    Loaded {
+        surface,
+        merged: Vec::new(),
     }
 }

@@ -78,6 +78,13 @@ impl Scratch {
         }
     }
 
+    /// Pieces of surfaces that searches for closest points gave up so far: where that grows, an answer
+    /// was not certified.
+    pub fn pieces_given_up(&self) -> u64 {
+        let solvers = self.bodies.iter().map(|body| &body.solver);
+        solvers.map(ClosestSolver::pieces_given_up).sum()
+    }
+
     /// What the last queries of the `spheres` method did, by pair: holder, body, counters.
     pub fn spheres_counters<'a>(
         &'a self,

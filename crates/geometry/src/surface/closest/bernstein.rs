@@ -34,6 +34,13 @@ pub(super) fn least(a: &[f64]) -> f64 {
     m[0].min(m[1]).min(m[2].min(m[3]))
 }
 
+/// Greatest coefficient.
+#[inline(always)]
+pub(super) fn greatest(a: &[f64]) -> f64 {
+    a.iter()
+        .fold(f64::NEG_INFINITY, |m, &x| if x > m { x } else { m })
+}
+
 /// Halves in u: the lower half to `low`, the upper half stays.
 #[inline(always)]
 pub(super) fn halve_u(a: &mut [f64], low: &mut [f64], nu: usize, nv: usize) {

@@ -31,6 +31,9 @@ const WIDEST: f64 = 5e-10;
 /// Parts and descents after which the search stops.
 const MOST_PARTS: usize = 8_000;
 const MOST_STARTS: usize = 600;
+/// Of these, what one piece may take, so that others are looked at as well.
+const PIECE_PARTS: usize = 2_000;
+const PIECE_STARTS: usize = 150;
 /// Halvings after which a part counts as a point: 2⁻³⁰ of a piece.
 const SMALLEST: f64 = 1.0 / (1u64 << 30) as f64;
 
@@ -58,9 +61,19 @@ pub(super) struct Minima {
     /// Coefficients of the two forms of a rational part.
     forms: [Vec<f64>; 2],
     starts: usize,
+    piece: Spent,
     groups: u32,
     /// The four edges of the domain (u at its start and end, then v): a pole there has been judged.
     judged: [bool; 4],
+}
+
+/// Work for one piece.
+#[derive(Clone, Copy, Debug, Default)]
+struct Spent {
+    parts: usize,
+    starts: usize,
+    /// It needed more than it may.
+    over: bool,
 }
 
 /// A minimum, and the connected set of equal ones that it belongs to.
@@ -80,6 +93,7 @@ impl Minima {
             lost: false,
             forms: std::array::from_fn(|_| vec![0.0; if pieces.is_rational() { size } else { 0 }]),
             starts: 0,
+            piece: Spent::default(),
             groups: 0,
             judged: [false; 4],
         }
@@ -163,8 +177,10 @@ impl Minima {
         search.parts.clear();
         search.parts.push(SearchPart::whole(pieces, piece));
         let mut first = true;
+        self.piece = Spent::default();
         while let Some(part) = search.parts.last().copied() {
             search.visited += 1;
+            self.piece.parts += 1;
             if search.visited.is_multiple_of(PATIENCE) {
                 hunt.delta_m = (hunt.delta_m * 10.0).min(WIDEST * hunt.size_m);
             }
@@ -175,7 +191,7 @@ impl Minima {
                 borders,
                 widths: [part.s[1] - part.s[0], part.t[1] - part.t[0]],
                 ceiling: hunt.ceiling,
-                noise,
+                noise: noise.absolute,
                 equal: 0.0,
             };
             let claim = if rational {
@@ -191,7 +207,7 @@ impl Minima {
                             form[x] = a[x] - f * w[x];
                         }
                     }
-                    setting.noise *= 2.0;
+                    setting.noise = 2.0 * noise.on(w);
                     claim([&self.forms[0], &self.forms[1]], (a, w), nu, nv, &setting)
                 }
             } else if above(a, hunt.ceiling) {
@@ -217,8 +233,8 @@ impl Minima {
             let start = match claim {
                 Claim::Nothing => None,
                 Claim::Start(s, t) => Some((s, t)),
-                _ if search.visited >= MOST_PARTS => {
-                    self.lost = true;
+                _ if search.visited >= MOST_PARTS || self.piece.parts >= PIECE_PARTS => {
+                    self.piece.over = true;
                     None
                 }
                 Claim::Halve(in_u) if wide_u || wide_v => {
@@ -232,6 +248,10 @@ impl Minima {
                 self.start(hunt, pieces, &part, s, t);
             }
         }
+        if self.piece.over {
+            self.lost = true;
+            search.given_up += 1;
+        }
     }
 
     /// Descends within a part and keeps what it finds, if that is a minimum of the surface.
@@ -244,11 +264,12 @@ impl Minima {
         s: f64,
         t: f64,
     ) {
-        if self.starts >= MOST_STARTS {
-            self.lost = true;
+        if self.starts >= MOST_STARTS || self.piece.starts >= PIECE_STARTS {
+            self.piece.over = true;
             return;
         }
         self.starts += 1;
+        self.piece.starts += 1;
         let (low, high) = (part.place(pieces, 0.0, 0.0), part.place(pieces, 1.0, 1.0));
         let mut eval = OnPieces {
             pieces,

@@ -5,7 +5,7 @@
 //! w²` of degree (2p, 2q), and `−d·N / w` of degree (p, q). So `A − β W ≥ 0` says that nothing on
 //! the piece is better than β.
 
-use super::bernstein::binomial;
+use super::bernstein::{binomial, greatest};
 use crate::math::{Point3, Vector3};
 use crate::surface::bezier::BezierPieces;
 use crate::surface::tensor::Frame;
@@ -40,7 +40,7 @@ pub(super) trait Objective: Smooth {
     /// Lower bound over a box (least and greatest corner).
     fn box_bound(&self, low: [f64; 3], high: [f64; 3]) -> f64;
     /// Coefficients of A, and of W when rational, for a piece; returns how far rounding may have
-    /// moved A.
+    /// moved those of A.
     fn form(
         &self,
         pieces: &BezierPieces,
@@ -48,9 +48,57 @@ pub(super) trait Objective: Smooth {
         tables: &Tables,
         a: &mut [f64],
         w: &mut [f64],
-    ) -> f64;
+    ) -> Noise;
     /// The value that counts as "better than `best` by more than `delta_m`".
     fn floor(&self, best: f64, delta_m: f64) -> f64;
+}
+
+/// How far rounding may have moved the coefficients of A: one of the two is 0.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Noise {
+    /// Any of them.
+    pub absolute: f64,
+    /// Each, as a share of that of W: where weights are unlike, rounding that is nothing beside the
+    /// largest of them is more than all there is at the smallest.
+    pub of_w: f64,
+}
+
+impl Noise {
+    /// `share` of the greatest square (distance) or value (height) of the control points: `weighted`
+    /// by its weight, or `plain` without.
+    fn new(share: f64, weighted: f64, plain: f64, unlike: bool) -> Self {
+        let noise = share * f64::EPSILON;
+        match unlike {
+            true => Self {
+                absolute: 0.0,
+                of_w: noise * plain,
+            },
+            false => Self {
+                absolute: noise * weighted,
+                of_w: 0.0,
+            },
+        }
+    }
+
+    /// On a part with these coefficients of W.
+    #[inline(always)]
+    pub fn on(&self, w: &[f64]) -> f64 {
+        if self.of_w > 0.0 {
+            self.of_w * greatest(w)
+        } else {
+            self.absolute
+        }
+    }
+}
+
+/// Weights of a piece that are as unlike as its rounding can still be judged by the largest.
+const ALIKE: f64 = 8.0;
+
+fn are_unlike(points: &[[f64; 4]]) -> bool {
+    let (low, high) = (points.iter()).fold((f64::INFINITY, 0.0_f64), |(low, high), x| {
+        (low.min(x[3]), high.max(x[3]))
+    });
+    high > ALIKE * low
 }
 
 /// Binomial factors of the products.
@@ -138,7 +186,7 @@ impl Objective for Distance {
         tables: &Tables,
         a: &mut [f64],
         w: &mut [f64],
-    ) -> f64 {
+    ) -> Noise {
         let points = pieces.points(piece);
         match (tables.p, tables.q, pieces.is_rational()) {
             (3, 3, false) => square(&self.q, points, tables, 3, 3, false, a, w),
@@ -163,7 +211,7 @@ fn square(
     rational: bool,
     a: &mut [f64],
     w: &mut [f64],
-) -> f64 {
+) -> Noise {
     const MOST: usize = (crate::basis::MAX_DEGREE + 1) * (crate::basis::MAX_DEGREE + 1);
     let (n, m) = (p + 1, q + 1);
     let (nu, nv) = (2 * p + 1, 2 * q + 1);
@@ -188,13 +236,14 @@ fn square_with<const K: usize>(
     rational: bool,
     a: &mut [f64],
     w: &mut [f64],
-) -> f64 {
+) -> Noise {
     let (points, factors, inverse) = (
         &points[..n * m],
         &tables.factors[..n * m],
         &tables.inverse[..nu * nv],
     );
-    let mut largest: f64 = 0.0;
+    let unlike = rational && are_unlike(points);
+    let (mut largest, mut farthest) = (0.0_f64, 0.0_f64);
     for k in 0..n * m {
         let x = &points[k];
         let r = [
@@ -204,6 +253,9 @@ fn square_with<const K: usize>(
         ];
         let square = r[0] * r[0] + r[1] * r[1] + r[2] * r[2];
         largest = if square > largest { square } else { largest };
+        if unlike {
+            farthest = farthest.max(square / (x[3] * x[3]));
+        }
         for c in 0..3 {
             d[c][k] = factors[k] * r[c];
         }
@@ -248,7 +300,7 @@ fn square_with<const K: usize>(
             *x *= s;
         }
     }
-    4.0 * f64::EPSILON * largest
+    Noise::new(4.0, largest, farthest, unlike)
 }
 
 /// Minus the height along a unit direction.
@@ -298,17 +350,21 @@ impl Objective for Along {
         _: &Tables,
         a: &mut [f64],
         w: &mut [f64],
-    ) -> f64 {
-        let mut largest: f64 = 0.0;
+    ) -> Noise {
         let points = pieces.points(piece);
+        let unlike = pieces.is_rational() && are_unlike(points);
+        let (mut largest, mut farthest) = (0.0_f64, 0.0_f64);
         for (a, x) in a.iter_mut().zip(points) {
             *a = self.value(x[0], x[1], x[2]);
             largest = if a.abs() > largest { a.abs() } else { largest };
+            if unlike {
+                farthest = farthest.max(a.abs() / x[3]);
+            }
         }
         if pieces.is_rational() {
             w.iter_mut().zip(points).for_each(|(w, x)| *w = x[3]);
         }
-        8.0 * f64::EPSILON * largest
+        Noise::new(8.0, largest, farthest, unlike)
     }
 
     fn floor(&self, best: f64, delta_m: f64) -> f64 {

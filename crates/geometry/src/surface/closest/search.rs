@@ -22,6 +22,14 @@ const DEPTH: usize = 84;
 /// Parts after which the tolerance is widened tenfold, up to 5e-10 of the size: only where whole
 /// curves are nearly equally close (medial axes of nearly round bodies) do searches get there.
 const PATIENCE: usize = 2_000;
+/// Parts and descents after which a piece is given up. Between knots that differ in their last digits
+/// all of a piece is nearer than parameters can reach: it would be halved for ever, and spends its
+/// descents within a hundred parts.
+const MOST_PARTS: usize = 1_000;
+const MOST_STARTS: usize = 50;
+/// Parts of a rational piece: where weights are unlike, most of it lies in a sliver of its parameters,
+/// which takes a halving for each power of two.
+const MOST_RATIONAL_PARTS: usize = 20_000;
 
 /// Better by less than this, relative to the surface's size, is equal.
 pub(super) const TOLERANCE: f64 = 1e-12;
@@ -118,6 +126,8 @@ pub(super) struct Search {
     order: Vec<(f64, usize)>,
     /// Parts looked at by the last search.
     pub visited: usize,
+    /// Pieces given up by all searches.
+    pub given_up: u64,
 }
 
 impl Search {
@@ -136,6 +146,7 @@ impl Search {
             parts: Vec::with_capacity(DEPTH),
             order: Vec::with_capacity(pieces.len()),
             visited: 0,
+            given_up: 0,
         }
     }
 
@@ -261,20 +272,34 @@ impl Search {
         let noise = objective.form(pieces, piece, tables, &mut self.a, &mut self.w);
         self.parts.clear();
         self.parts.push(SearchPart::whole(pieces, piece));
+        let most_parts = if rational {
+            MOST_RATIONAL_PARTS
+        } else {
+            MOST_PARTS
+        };
+        let (mut parts, mut starts) = (0, 0);
         while let Some(part) = self.parts.last().copied() {
+            if parts == most_parts || starts == MOST_STARTS {
+                // The piece, not the query: others may hold what is nearer by far.
+                self.given_up += 1;
+                return;
+            }
+            parts += 1;
             self.visited += 1;
             if self.visited.is_multiple_of(PATIENCE) {
                 *delta_m = (*delta_m * 10.0).min(WIDEST * size_m);
             }
             let slot = (self.parts.len() - 1) * stride;
             let value = objective.floor(best.jet.f, *delta_m);
-            let (g, floor) = if rational {
+            let (g, floor, noise) = if rational {
+                let w = &self.w[slot..slot + len];
                 for x in 0..len {
-                    self.g[x] = self.a[slot + x] - value * self.w[slot + x];
+                    self.g[x] = self.a[slot + x] - (value - noise.of_w) * w[x];
                 }
-                (&self.g[..len], -noise)
+                (&self.g[..len], -noise.absolute, noise.on(w))
             } else {
-                (&self.a[slot..slot + len], value - noise)
+                let noise = noise.absolute;
+                (&self.a[slot..slot + len], value - noise, noise)
             };
             let finding = look(g, nu, nv, floor, noise, || part.nearest(pieces, best.place));
             let mut halve_in_u = match finding {
@@ -283,6 +308,7 @@ impl Search {
                     continue;
                 }
                 Finding::Below(s, t) => {
+                    starts += 1;
                     let start = part.place(pieces, s, t);
                     let found = descend_over(&mut OnPieces { pieces, surface }, objective, start);
                     if found.jet.f < best.jet.f {

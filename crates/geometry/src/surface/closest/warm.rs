@@ -281,6 +281,11 @@ fn slacks(
                 }
             }
             let bend = curvature(a, nu, nv);
+            let noise = if rational {
+                noise.on(&search.w[..len])
+            } else {
+                noise.absolute
+            };
             if !bend.convex(64.0 * noise) || count == out.len() {
                 return None;
             }
@@ -491,11 +496,11 @@ fn gap_outside(
             let floor = squared(CLAIM * upper);
             let clear = if rational {
                 for x in 0..len {
-                    search.g[x] = search.a[slot + x] - floor * search.w[slot + x];
+                    search.g[x] = search.a[slot + x] - (floor + noise.of_w) * search.w[slot + x];
                 }
-                least(&search.g[..len]) >= noise
+                least(&search.g[..len]) >= noise.absolute
             } else {
-                least(&search.a[slot..slot + len]) >= floor + noise
+                least(&search.a[slot..slot + len]) >= floor + noise.absolute
             };
             if clear {
                 search.parts.pop();

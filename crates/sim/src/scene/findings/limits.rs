@@ -46,6 +46,25 @@ pub(super) fn look(scene: &Scene, found: &mut Found) {
     unequal_masses(scene, found);
     slow_steps(scene, found);
     stiff_couplings(scene, found);
+    loaded_surfaces(scene, found);
+}
+
+/// What was set right in surfaces as they were read, and where they are open by little.
+fn loaded_surfaces(scene: &Scene, found: &mut Found) {
+    for (b, body) in scene.bodies.iter().enumerate() {
+        let mut say = |what: String| {
+            found.limit(
+                format!("body[{b}].surface"),
+                format!("body {}: {what}", body.id),
+            );
+        };
+        (body.merged_knots.iter()).for_each(|merged| say(merged.to_string()));
+        for slit in body.surface.slits() {
+            say(format!(
+                "{slit}, and opens further where the body is pulled: make its control points equal, unless a slit is meant"
+            ));
+        }
+    }
 }
 
 fn nearly_incompressible(scene: &Scene, found: &mut Found) {

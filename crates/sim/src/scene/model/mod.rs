@@ -25,7 +25,7 @@ use super::{Body, BodyModel, Tool};
 use super::{free, mover};
 use crate::body::{Deformable, DeformableError, Material, StepSettings};
 use palpate_geometry::math::Pose;
-use palpate_geometry::surface::Surface;
+use palpate_geometry::surface::{Loaded, Surface};
 use values::{Held, Values};
 
 /// What the rest of the program asks of a model.
@@ -87,21 +87,17 @@ pub(super) fn build(
     let placement = at
         .key("pose")
         .pose(&spec.pose.position, &spec.pose.orientation);
-    let surface = spec.surface.surface(&at.key("surface"));
+    let loaded = spec.surface.loaded(&at.key("surface"));
     let values = values::check(spec, at);
     let placement = placement?;
     let moved = match spec.free {
         true => Some(None),
         false => mover::build(scene, spec, &placement, at),
     };
-    let original = surface?.oriented_outward().placed(&placement);
-    let original = at.key("pose").key("position").take(original)?;
-    // Copies of a branching surface move together, so they start equal bit for bit.
-    let original = if original.joints().is_some() {
-        original.with_exact_seams()
-    } else {
-        original
-    };
+    let Loaded { surface, merged } = loaded?;
+    let original = surface.oriented_outward().placed(&placement);
+    // What is one place moves together, so it starts equal bit for bit.
+    let original = (at.key("pose").key("position").take(original)?).with_exact_seams();
     let Values { material, held } = values?;
     let mover = match spec.free {
         true => free::build(scene, spec, &original, material.density_kg_m3, at).map(Some),
@@ -132,6 +128,7 @@ pub(super) fn build(
         original_net,
         size_m,
         two_sided,
+        merged_knots: merged,
         model,
         mover: mover?,
     })
