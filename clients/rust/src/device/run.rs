@@ -108,7 +108,7 @@ pub struct Sample {
 /// Why a run failed.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
-    /// Zenoh refused a pose.
+    /// Another client holds the tool, or Zenoh refused a pose.
     #[error(transparent)]
     Client(#[from] ClientError),
     /// A figure of the network.
@@ -125,7 +125,7 @@ const SILENCE: Duration = Duration::from_secs(1);
 /// Runs a device until its time is over, or `stop` is set. `watch` sees every period.
 ///
 /// # Errors
-/// Zenoh refused a pose, or the network of the settings cannot be.
+/// Another client holds the tool, Zenoh refused a pose, or the network of the settings cannot be.
 pub fn run(
     tool: &mut Tool,
     device: &mut SimulatedDevice,
@@ -170,6 +170,7 @@ pub fn run(
             (true, Some(seq)) => {
                 let force = tool.wait_force(seq, settings.patience);
                 if force.is_none() {
+                    tool.take_refusal()?;
                     report.gave_up = true;
                     break;
                 }
