@@ -359,6 +359,12 @@ fn print(report: &RunReport, json: bool) -> anyhow::Result<()> {
             );
         }
     }
+    if report.withheld > 0 {
+        eprintln!(
+            "the tool was inside a body when it was taken: {} forces were withheld, until it was out of it",
+            report.withheld
+        );
+    }
     if report.silences.count > 0 {
         eprintln!(
             "no force came for up to {:.0} ms ({} times): the device was let go meanwhile",

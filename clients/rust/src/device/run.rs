@@ -56,6 +56,9 @@ pub struct RunReport {
     /// Times that no force came, in real time: the device was let go meanwhile.
     #[serde(default)]
     pub silences: Silences,
+    /// Forces that were withheld: the tool was seated inside a body, and was not out of it once yet.
+    #[serde(default)]
+    pub withheld: u64,
     /// The daemon stopped answering.
     pub gave_up: bool,
 }
@@ -194,6 +197,7 @@ pub fn run(
         if let Some(force) = force.filter(|force| servo.hear(now_s, *force)) {
             let size = force.force.iter().map(|f| f * f).sum::<f64>().sqrt();
             report.peak_force_n = report.peak_force_n.max(size);
+            report.withheld += u64::from(force.flags & force_flags::WITHHELD != 0);
             if force.flags & force_flags::STALE == 0 {
                 report.peak_depth_m = report.peak_depth_m.max(force.depth);
             }
