@@ -285,6 +285,8 @@ fn a_clutch_pressed_in_contact_lets_the_hand_go_without_a_step_of_force() {
     let ros2 = format!("{ARM}button = \"/arm/button1\"\ngrab = 5\nclutch = 0\n");
     let (_files, daemon) = start(&ros2, &[]);
     let peer = Peer::connect(&daemon.endpoint);
+    let palpate = daemon.connect();
+    let newest = palpate.forces("ball").unwrap();
     let forces = peer.hear::<WrenchStamped>(FORCE);
     peer.await_listener::<PoseStamped>(POSE);
     press_until(&peer, PRESSED, || felt(&forces));
@@ -312,8 +314,6 @@ fn a_clutch_pressed_in_contact_lets_the_hand_go_without_a_step_of_force() {
         }
         assert!(begun.elapsed() < Duration::from_secs(60));
     }
-    let palpate = daemon.connect();
-    let newest = palpate.forces("ball").unwrap();
     // The tool still presses: it stayed where it was.
     press_until(&peer, [x, PRESSED[1], PRESSED[2]], || {
         newest.get().is_some_and(|force| force.force[0] > 0.5)
