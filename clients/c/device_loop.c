@@ -4,8 +4,8 @@
  *   cc -std=c99 -Wall -Wextra -Werror device_loop.c -o device_loop -lm && ./device_loop
  *
  * Replace sdk_* by OpenHaptics (hdGetDoublev, hdSetDoublev), DHD (dhdGetPosition, dhdSetForce) or CHAI3D, and
- * bus_* by zenoh-c or zenoh-pico: put the bytes of a pose under the pose's key, and keep the newest bytes
- * that arrive under the force's key. Here the bus is a wall at z = 0.
+ * bus_* by zenoh-c or zenoh-pico: put the bytes of a pose under the pose's key with an id as its attachment, and
+ * keep the newest bytes that arrive under the force's key, with theirs. Here the bus is a wall at z = 0.
  */
 #include "palpate.h"
 
@@ -15,6 +15,7 @@
 
 #define PERIOD_NS 1000000u
 #define FORCE_MAX_N 3.3
+#define ID_BYTES 24
 
 /* ---- stub SDK: a point that a hand moves up and down through z = 0, and motors that remember */
 
@@ -33,10 +34,11 @@ static void sdk_set_force(const double force[3]) { memcpy(sdk_motors, force, siz
 
 static uint8_t bus_force[PALPATE_TOOL_FORCE_MAX_BYTES];
 static size_t bus_force_size;
+static uint8_t bus_force_id[ID_BYTES]; /* of the client whose pose it answers */
 static uint64_t bus_forces;
 static bool bus_cut;
 
-static int bus_put_pose(const uint8_t *bytes, size_t size) {
+static int bus_put_pose(const uint8_t *bytes, size_t size, const uint8_t id[ID_BYTES]) {
   palpate_tool_pose pose;
   palpate_tool_force force;
   int fault = palpate_tool_pose_decode(&pose, bytes, size);
@@ -46,6 +48,7 @@ static int bus_put_pose(const uint8_t *bytes, size_t size) {
   force.pose_seq = pose.seq;
   force.proxy_orientation[3] = 1.0;
   if (pose.position[2] < 0.0) force.force[2] = -1000.0 * pose.position[2];
+  memcpy(bus_force_id, id, ID_BYTES);
   bus_forces++;
   return palpate_tool_force_encode(&force, bus_force, sizeof bus_force, &bus_force_size);
 }
@@ -53,6 +56,7 @@ static int bus_put_pose(const uint8_t *bytes, size_t size) {
 /* ---- the loop */
 
 typedef struct device_loop {
+  uint8_t id[ID_BYTES]; /* random: another client may hold the tool */
   uint64_t seq;
   uint64_t seen; /* forces taken from the bus */
   /* A driver must not keep the last force: this fades it when no other comes. */
@@ -74,14 +78,16 @@ static int device_loop_step(device_loop *loop, uint64_t now_ns) {
   sdk_get_position(now_ns, pose.position);
   pose.orientation[3] = 1.0;
   fault = palpate_tool_pose_encode(&pose, bytes, sizeof bytes, &size);
-  if (fault == PALPATE_OK) fault = bus_put_pose(bytes, size);
+  if (fault == PALPATE_OK) fault = bus_put_pose(bytes, size, loop->id);
 
   if (bus_forces != loop->seen) {
     palpate_tool_force force;
     int read = palpate_tool_force_decode(&force, bus_force, bus_force_size);
     uint32_t off = PALPATE_FORCE_FLAGS_STALE | PALPATE_FORCE_FLAGS_FAULT;
     loop->seen = bus_forces;
-    if (read == PALPATE_OK) {
+    if (read == PALPATE_OK && memcmp(bus_force_id, loop->id, ID_BYTES) != 0) {
+      /* The force of another hand. */
+    } else if (read == PALPATE_OK) {
       double size_n = sqrt(force.force[0] * force.force[0] + force.force[1] * force.force[1] +
                            force.force[2] * force.force[2]);
       double share = size_n > FORCE_MAX_N ? FORCE_MAX_N / size_n : 1.0;
@@ -102,6 +108,7 @@ int main(void) {
   double peak = 0.0;
   uint64_t on = 0;
   memset(&loop, 0, sizeof loop);
+  memcpy(loop.id, "24 bytes, better random", ID_BYTES);
   palpate_watchdog_init(&loop.dog, false);
   for (k = 1; k <= 1000; k++) {
     int fault;

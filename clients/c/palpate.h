@@ -373,6 +373,10 @@ static inline size_t palpate_tool_pose_key(char *out, size_t room, const char *i
 #define PALPATE_FORCE_FLAGS_GRABBING 64u
 /* A damper was added to keep the loop from making energy. */
 #define PALPATE_FORCE_FLAGS_DAMPED 128u
+/*
+ * No force: the tool was seated inside a body, and its contact force was not small once since then.
+ */
+#define PALPATE_FORCE_FLAGS_WITHHELD 256u
 
 /* The force a hand should feel: wrench on the tool, world axes, at the tool's reference point. */
 typedef struct palpate_tool_force {
@@ -1162,7 +1166,11 @@ enum {
   /* A recording could not go on; the loop does, and what was flushed stays readable. */
   PALPATE_EVENT_KIND_RECORD_FAILED = 13,
   /* Another scene runs from this tick on: bodies were merged or moved. Ask for the scene anew. */
-  PALPATE_EVENT_KIND_SCENE_CHANGED = 14
+  PALPATE_EVENT_KIND_SCENE_CHANGED = 14,
+  /*
+   * A tool was seated inside a body: it gives no force until its contact force has been small once.
+   */
+  PALPATE_EVENT_KIND_FORCE_WITHHELD = 15
 };
 
 typedef struct palpate_event_kind {
@@ -1228,11 +1236,15 @@ typedef struct palpate_event_kind {
       /* What became of which bodies. */
       palpate_text what;
     } scene_changed;
+    struct {
+      /* Tool id. */
+      palpate_text tool;
+    } force_withheld;
   } as;
 } palpate_event_kind;
 
 static inline void palpate_event_kind_read(palpate_reader *reader, palpate_event_kind *out) {
-  out->number = palpate_read_case(reader, 15);
+  out->number = palpate_read_case(reader, 16);
   switch (out->number) {
     case PALPATE_EVENT_KIND_TOOL_JOINED:
       out->as.tool_joined.tool = palpate_read_text(reader);
@@ -1272,6 +1284,9 @@ static inline void palpate_event_kind_read(palpate_reader *reader, palpate_event
       break;
     case PALPATE_EVENT_KIND_SCENE_CHANGED:
       out->as.scene_changed.what = palpate_read_text(reader);
+      break;
+    case PALPATE_EVENT_KIND_FORCE_WITHHELD:
+      out->as.force_withheld.tool = palpate_read_text(reader);
       break;
     default:
       break;
@@ -1319,6 +1334,9 @@ static inline void palpate_event_kind_write(palpate_writer *writer, const palpat
       break;
     case PALPATE_EVENT_KIND_SCENE_CHANGED:
       palpate_write_text(writer, in->as.scene_changed.what);
+      break;
+    case PALPATE_EVENT_KIND_FORCE_WITHHELD:
+      palpate_write_text(writer, in->as.force_withheld.tool);
       break;
     default:
       break;

@@ -74,6 +74,8 @@ crate::layout::messages! {
         GRABBING = 6,
         /// A damper was added to keep the loop from making energy.
         DAMPED = 7,
+        /// No force: the tool was seated inside a body, and its contact force was not small once since then.
+        WITHHELD = 8,
     }
 
     /// The force a hand should feel: wrench on the tool, world axes, at the tool's reference point.
@@ -388,6 +390,11 @@ crate::layout::messages! {
         SceneChanged {
             /// What became of which bodies.
             what: String,
+        },
+        /// A tool was seated inside a body: it gives no force until its contact force has been small once.
+        ForceWithheld {
+            /// Tool id.
+            tool: String,
         },
     }
 

@@ -93,7 +93,7 @@ fn turn_after_turn<D: DeviceEnd>(
             report.readings += 1;
             if let Some(motion) = coupler.motion(reading) {
                 let seq = tool.send(pose_of(&motion))?;
-                answered = wait_for_answer(tool, seq, lockstep, stop);
+                answered = wait_for_answer(tool, seq, lockstep, stop)?;
             }
             report.refused = coupler.refused();
             if !lockstep && let Some(info) = rate.reading() {
@@ -122,17 +122,23 @@ fn turn_after_turn<D: DeviceEnd>(
 }
 
 /// Waits for the force of a pose: in lockstep until it is there, else not for long.
-fn wait_for_answer(tool: &Tool, seq: u64, lockstep: bool, stop: &AtomicBool) -> u64 {
+fn wait_for_answer(
+    tool: &Tool,
+    seq: u64,
+    lockstep: bool,
+    stop: &AtomicBool,
+) -> Result<u64, ClientError> {
     if !lockstep {
         let force = tool.wait_force(seq, ANSWER);
-        return force.map_or(0, |force| force.pose_seq);
+        return Ok(force.map_or(0, |force| force.pose_seq));
     }
     while !stop.load(Ordering::Relaxed) {
         if let Some(force) = tool.wait_force(seq, LOCKSTEP_TURN) {
-            return force.pose_seq;
+            return Ok(force.pose_seq);
         }
+        tool.take_refusal()?;
     }
-    0
+    Ok(0)
 }
 
 fn pose_of(motion: &ToolMotion) -> ToolPose {

@@ -19,8 +19,6 @@ use std::time::{Duration, Instant};
 const LONG_SILENCE_S: f64 = 1.0;
 /// How long a daemon is waited for that is not there yet, unless --wait says otherwise.
 const START: Duration = Duration::from_secs(10);
-/// How long a device that has left may still be known.
-const LEAVING: Duration = Duration::from_secs(1);
 
 #[derive(clap::Args, Debug)]
 pub struct Args {
@@ -124,7 +122,6 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         known.join(", ")
     );
     let motion = motion(args, &scene, tool_id)?;
-    refuse_held(&palpate, tool_id)?;
     let mut tool = palpate.tool(tool_id)?;
     let delay_s = args.delay.map_or(0.0, |delay| delay.as_secs_f64());
     announce(&palpate, &mut tool, tool_id, &model.info(delay_s))?;
@@ -180,24 +177,6 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     } else {
         Outcome::Ok
     })
-}
-
-/// A tool that another device holds: both would receive the forces of both. A device that has just
-/// left is given the time to be noticed.
-fn refuse_held(palpate: &Palpate, tool: &str) -> anyhow::Result<()> {
-    let begun = Instant::now();
-    loop {
-        let info: serde_json::Value = serde_json::from_str(&palpate.info()?).unwrap_or_default();
-        let holder = &info["devices"][tool]["info"]["name"];
-        let Some(name) = holder.as_str() else {
-            return Ok(());
-        };
-        anyhow::ensure!(
-            begun.elapsed() < LEAVING,
-            "tool {tool:?} is held by another device ({name}); stop it first, or move another tool"
-        );
-        std::thread::sleep(Duration::from_millis(50));
-    }
 }
 
 /// Sends the device's description to the daemon. In lockstep the first tick waits until the daemon
@@ -379,6 +358,12 @@ fn print(report: &RunReport, json: bool) -> anyhow::Result<()> {
                 report.late
             );
         }
+    }
+    if report.withheld > 0 {
+        eprintln!(
+            "the tool was inside a body when it was taken: {} forces were withheld, until it was out of it",
+            report.withheld
+        );
     }
     if report.silences.count > 0 {
         eprintln!(

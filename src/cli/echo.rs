@@ -91,7 +91,7 @@ fn hex(bytes: &[u8]) -> String {
 }
 
 /// Names of the bits of `flags` of a force, lowest first.
-const FORCE_FLAGS: [(u32, &str); 8] = [
+const FORCE_FLAGS: [(u32, &str); 9] = [
     (force_flags::STALE, "STALE"),
     (force_flags::SATURATED, "SATURATED"),
     (force_flags::PAUSED, "PAUSED"),
@@ -100,6 +100,7 @@ const FORCE_FLAGS: [(u32, &str); 8] = [
     (force_flags::FAULT, "FAULT"),
     (force_flags::GRABBING, "GRABBING"),
     (force_flags::DAMPED, "DAMPED"),
+    (force_flags::WITHHELD, "WITHHELD"),
 ];
 
 /// Writes the flags of a force by their names; bits without one stay a number.

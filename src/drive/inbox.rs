@@ -75,12 +75,14 @@ impl SenderId {
         Self(id)
     }
 
+    /// As it goes along with forces.
+    pub fn bytes(&self) -> &[u8] {
+        &self.0
+    }
+
     /// Enough of it to tell clients apart, as text.
     pub fn short(&self) -> String {
-        // First comes the session, last the number of the call in it.
-        let (session, call) = (&self.0[..4], &self.0[20..]);
-        let bytes = session.iter().chain(call);
-        bytes.map(|byte| format!("{byte:02x}")).collect()
+        palpate_client::short_id(&self.0)
     }
 }
 
@@ -107,8 +109,11 @@ pub(super) struct InboxSlot {
     pub newest: u64,
     /// Who moves the tool, and when it was heard.
     pub holder: Option<(SenderId, Instant)>,
-    pub input: triple_buffer::Input<Option<DevicePose>>,
+    pub input: triple_buffer::Input<Option<SentPose>>,
 }
+
+/// A pose and who sent it.
+pub(super) type SentPose = (DevicePose, SenderId);
 
 impl PoseInbox {
     /// Takes a pose, if it is newer than the last and of whoever holds the tool.
@@ -155,7 +160,7 @@ impl PoseInbox {
         }
         slot.newest = pose.seq;
         slot.holder = Some((sender, now));
-        slot.input.write(Some(pose));
+        slot.input.write(Some((pose, sender)));
         LinkCounters::count(&self.counters.received);
         drop(slot);
         if let Some(thread) = self.tick_thread.get() {
@@ -164,11 +169,15 @@ impl PoseInbox {
         Offered::Taken
     }
 
+    /// Who holds the tool.
+    pub fn holder(&self) -> Option<SenderId> {
+        let (holder, heard) = self.lock().holder?;
+        (heard.elapsed() <= HELD).then_some(holder)
+    }
+
     /// This client holds the tool, or nobody does.
     pub fn may_hold(&self, sender: SenderId) -> bool {
-        self.lock()
-            .holder
-            .is_none_or(|(holder, heard)| holder == sender || heard.elapsed() > HELD)
+        self.holder().is_none_or(|holder| holder == sender)
     }
 
     /// Whoever held the tool is gone: the next holder counts from anew.

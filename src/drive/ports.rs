@@ -7,7 +7,7 @@
 //!                            ┘                └─▶ nets, command receipts  ┘
 //! ```
 
-use super::inbox::InboxSlot;
+use super::inbox::{InboxSlot, SentPose};
 pub use super::inbox::{LinkCounters, Offered, PoseInbox, SenderId};
 use super::nets::NetSchedule;
 pub use super::nets::{NetFrame, NetPool};
@@ -41,6 +41,15 @@ pub struct CommandRequest {
     pub id: u64,
     /// What to do.
     pub command: Command,
+}
+
+/// What a tick says, and by tool whose pose it took last.
+#[derive(Clone, Debug)]
+pub struct Told {
+    /// Its forces.
+    pub output: TickOutput,
+    /// Who sent the poses that they answer; of nobody before the first.
+    pub senders: Vec<SenderId>,
 }
 
 /// First tick on which a command had effect.
@@ -125,16 +134,16 @@ pub struct LoopCounters {
 
 /// The tick thread's side.
 pub struct TickPorts {
-    pub(super) poses: Vec<triple_buffer::Output<Option<DevicePose>>>,
-    /// By tool: newest seq that a tick took.
-    pub(super) latched: Vec<u64>,
+    pub(super) poses: Vec<triple_buffer::Output<Option<SentPose>>>,
+    /// By tool: who sent the newest pose that a tick took.
+    senders: Vec<SenderId>,
     pub(super) link_counters: Vec<Arc<LinkCounters>>,
     pub(super) commands: rtrb::Consumer<CommandRequest>,
     pub(super) receipts: rtrb::Producer<Receipt>,
     /// Scenes to go on with, and those that were left.
     pub(super) swaps: rtrb::Consumer<Box<Swap>>,
     pub(super) retired: rtrb::Producer<Box<Swap>>,
-    outputs: Outbox<TickOutput>,
+    outputs: Outbox<Told>,
     records: Outbox<TickRecord>,
     pub(super) nets: NetPort,
     pub(super) counters: Arc<LoopCounters>,
@@ -155,7 +164,7 @@ pub struct BusPorts {
     /// The scene before it, from the tick.
     pub retired: rtrb::Consumer<Box<Swap>>,
     /// Forces, as soon as they are known.
-    pub outputs: rtrb::Consumer<Arc<TickOutput>>,
+    pub outputs: rtrb::Consumer<Arc<Told>>,
     /// Ticks, when they are done.
     pub records: rtrb::Consumer<Arc<TickRecord>>,
     /// By body.
@@ -187,11 +196,11 @@ impl<T: Clone> Outbox<T> {
     }
 
     /// False when the bus is behind: it does not get this one.
-    fn send(&mut self, item: &T) -> bool {
+    fn send(&mut self, write: impl FnOnce(&mut T)) -> bool {
         if !self.has_room() {
             return false;
         }
-        match self.pool.fill(|buffer| buffer.clone_from(item)) {
+        match self.pool.fill(write) {
             Some(buffer) => self.full.push(buffer.clone()).is_ok(),
             None => false,
         }
@@ -233,14 +242,18 @@ pub fn ports(scene: &Scene) -> (TickPorts, BusPorts) {
     let (command_in, command_out) = rtrb::RingBuffer::new(64);
     let (receipt_in, receipt_out) = rtrb::RingBuffer::new(64);
     let record = TickRecord::for_tools(scene.tool_count());
-    let (output_in, output_out) = Outbox::new(&record.output);
+    let senders = vec![SenderId::default(); scene.tool_count()];
+    let (output_in, output_out) = Outbox::new(&Told {
+        output: record.output.clone(),
+        senders: senders.clone(),
+    });
     let (record_in, record_out) = Outbox::new(&record);
     let (swap_in, swap_out) = rtrb::RingBuffer::new(1);
     let (retired_in, retired_out) = rtrb::RingBuffer::new(1);
     let (nets, net_ends) = net_ports(scene);
     let tick = TickPorts {
-        latched: vec![0; poses.len()],
         poses,
+        senders,
         link_counters,
         commands: command_out,
         receipts: receipt_in,
@@ -276,8 +289,8 @@ impl TickPorts {
         if !slot.update() {
             return None;
         }
-        let pose = (*slot.output_buffer())?;
-        self.latched[tool] = pose.seq;
+        let (pose, sender) = (*slot.output_buffer())?;
+        self.senders[tool] = sender;
         LinkCounters::count(&self.link_counters[tool].latched);
         Some(pose)
     }
@@ -307,7 +320,12 @@ impl TickPorts {
 
     /// The force is known: tell the bus.
     pub fn publish(&mut self, output: &TickOutput) {
-        if !self.outputs.send(output) {
+        let senders = &self.senders;
+        let sent = self.outputs.send(|told| {
+            told.output.clone_from(output);
+            told.senders.clone_from(senders);
+        });
+        if !sent {
             self.counters.bus_drops.fetch_add(1, Ordering::Relaxed);
         }
         if let Some(thread) = self.bus_thread.get() {
@@ -323,7 +341,7 @@ impl TickPorts {
         record: &TickRecord,
         nets: &mut NetPool,
     ) {
-        if !self.records.send(record) {
+        if !self.records.send(|buffer| buffer.clone_from(record)) {
             self.counters.bus_drops.fetch_add(1, Ordering::Relaxed);
         }
         self.hand_over_nets(scene, state, record.output.tick, nets);

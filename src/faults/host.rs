@@ -116,9 +116,9 @@ impl Host {
     /// What the bus thread does in a turn: the newest force, if there is one.
     pub fn bus(&mut self) -> Option<ToolForce> {
         let mut newest = None;
-        while let Ok(output) = self.bus.outputs.pop() {
+        while let Ok(told) = self.bus.outputs.pop() {
             self.rate.tick(now());
-            newest = Some(output);
+            newest = Some(told);
         }
         while self.bus.records.pop().is_ok() {}
         while self.bus.receipts.pop().is_ok() {}
@@ -126,7 +126,8 @@ impl Host {
             net.newest();
         }
         let _ = self.rate.look(now());
-        let output = newest?;
+        let told = newest?;
+        let output = &told.output;
         let out = &output.tools[0];
         if out.pose_seq == 0 {
             return None;

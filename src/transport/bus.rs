@@ -573,7 +573,7 @@ impl BusThread {
             "rate_hz": 1.0 / scene.dt_s,
             "tools": (0..scene.tool_count()).map(|t| scene.tool_id(t)).collect::<Vec<_>>(),
             "bodies": (0..scene.body_count()).map(|b| scene.body_id(b)).collect::<Vec<_>>(),
-            "devices": self.devices.report(|tool| scene.tool_id(tool)),
+            "devices": self.devices.report(|tool| (scene.tool_id(tool), self.forces.holder(tool))),
             "forces": self.forces.report(scene),
             "messages": ALL.iter().map(|message| message.name).collect::<Vec<_>>(),
             "methods": METHODS,

@@ -3,6 +3,7 @@
 use super::deadband::Deadband;
 use super::events::Events;
 use super::link::LoopLink;
+use crate::drive::ports::SenderId;
 use crate::wire;
 use palpate_proto::codec::{check_head, decode};
 use palpate_proto::messages::{DeviceInfo, EventKind};
@@ -84,15 +85,20 @@ impl Devices {
         device.deadband.set(0.0);
     }
 
-    /// For people, by tool.
-    pub(super) fn report<'a>(&self, id: impl Fn(usize) -> &'a str) -> serde_json::Value {
+    /// For people, by tool; `of`: its id, and who holds it.
+    pub(super) fn report<'a>(
+        &self,
+        of: impl Fn(usize) -> (&'a str, Option<SenderId>),
+    ) -> serde_json::Value {
         let tools = self.tools.iter().enumerate().map(|(tool, device)| {
+            let (id, holder) = of(tool);
             let report = serde_json::json!({
+                "holder": holder.map(|holder| holder.short()),
                 "info": device.info,
                 "refused": device.refused.load(Ordering::Relaxed),
                 "forces_suppressed": device.deadband.suppressed(),
             });
-            (id(tool).to_owned(), report)
+            (id.to_owned(), report)
         });
         serde_json::Value::Object(tools.collect())
     }

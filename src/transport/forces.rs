@@ -5,7 +5,7 @@ use super::devices::Devices;
 use super::events::server_ns;
 use super::rate::{RateNews, RateWatch};
 use super::view::View;
-use crate::drive::ports::PoseInbox;
+use crate::drive::ports::{PoseInbox, SenderId, Told};
 use crate::wire;
 use palpate_client::publisher;
 use palpate_proto::codec::encode;
@@ -22,8 +22,10 @@ use zenoh::pubsub::Publisher;
 
 /// The newest output of the loop, and where its parts for tools go.
 pub(super) struct Forces {
-    outputs: rtrb::Consumer<Arc<TickOutput>>,
+    outputs: rtrb::Consumer<Arc<Told>>,
     newest: TickOutput,
+    /// By tool: whose pose the newest force answers.
+    senders: Vec<SenderId>,
     tools: Vec<ToolLine>,
     /// Every tick's force is awaited, as in lockstep and out of a recording.
     every: bool,
@@ -75,7 +77,7 @@ impl Forces {
         session: &zenoh::Session,
         keys: &Keys,
         scene: &Scene,
-        outputs: rtrb::Consumer<Arc<TickOutput>>,
+        outputs: rtrb::Consumer<Arc<Told>>,
         poses: &[Arc<PoseInbox>],
         clients: &[Arc<ClientLink>],
         every: bool,
@@ -97,6 +99,7 @@ impl Forces {
         Ok(Self {
             outputs,
             newest: TickOutput::for_tools(scene.tool_count()),
+            senders: vec![SenderId::default(); scene.tool_count()],
             tools: tools.collect::<zenoh::Result<_>>()?,
             every,
             seen: 0,
@@ -108,15 +111,16 @@ impl Forces {
 
     /// The tick whose output is next, if it is there.
     pub(super) fn next_tick(&mut self) -> Option<u64> {
-        self.outputs.peek().ok().map(|output| output.tick)
+        self.outputs.peek().ok().map(|told| told.output.tick)
     }
 
     /// Takes the next output and publishes what it says of tools; false if a newer one waits that
     /// makes it needless.
     pub(super) fn publish_next(&mut self, scene: &Scene, devices: &mut Devices) -> bool {
-        let Ok(output) = self.outputs.pop() else {
+        let Ok(told) = self.outputs.pop() else {
             return false;
         };
+        let output = &told.output;
         if !self.every {
             self.rate.tick(Instant::now());
         }
@@ -126,12 +130,13 @@ impl Forces {
         self.seen = output.tick;
         let overtaken = !self.every && !self.outputs.is_empty();
         if !self.every {
-            self.count_overtaken(&output, missing + u64::from(overtaken));
+            self.count_overtaken(output, missing + u64::from(overtaken));
         }
         if overtaken {
             return false;
         }
-        self.newest.clone_from(&output);
+        self.newest.clone_from(output);
+        self.senders.clone_from(&told.senders);
         for tool in 0..self.tools.len() {
             self.put_tool(tool, scene, devices);
         }
@@ -199,7 +204,9 @@ impl Forces {
         let line = &mut self.tools[tool];
         // Counted first: its client may answer before this thread goes on.
         line.client.sent(force.t_server_ns);
-        let _ = line.force.put(encode(&force)).wait();
+        let put = line.force.put(encode(&force));
+        // Who hears it knows whether it is its own.
+        let _ = put.attachment(self.senders[tool].bytes()).wait();
     }
 
     fn count_overtaken(&mut self, output: &TickOutput, ticks: u64) {
@@ -244,6 +251,11 @@ impl Forces {
     /// The tool's holder is gone: the next one counts its poses from 1.
     pub(super) fn forget_sender(&self, tool: usize) {
         self.tools[tool].inbox.forget_sender();
+    }
+
+    /// Who holds a tool.
+    pub(super) fn holder(&self, tool: usize) -> Option<SenderId> {
+        self.tools[tool].inbox.holder()
     }
 
     /// What became of them, by tool.

@@ -30,6 +30,7 @@ struct ToolTally {
     jumps: u64,
     stale_ticks: u64,
     refused: bool,
+    withheld: bool,
     moved: bool,
 }
 
@@ -162,6 +163,11 @@ impl LoopTally {
                 });
             }
             tally.refused = refused;
+            let withheld = out.flags & flags::WITHHELD != 0;
+            if withheld && !std::mem::replace(&mut tally.withheld, withheld) {
+                events.tell(EventKind::ForceWithheld { tool: id() });
+            }
+            tally.withheld = withheld;
         }
         self.tell_quality(record.output.quality, events);
         let faulty = record.output.fault.is_some();

@@ -282,6 +282,7 @@ pub fn event_words(kind: &wire::EventKind) -> (&'static str, String) {
         Kind::Resumed => ("resumed", String::new()),
         Kind::ToolJoined { tool } => ("tool_joined", tool.clone()),
         Kind::ToolLost { tool } => ("tool_lost", tool.clone()),
+        Kind::ForceWithheld { tool } => ("force_withheld", tool.clone()),
         Kind::PoseRefused { tool, reason } => ("pose_refused", format!("{tool}: {reason}")),
         Kind::Fault { reason } => ("fault", reason.clone()),
         Kind::RecordStarted { path } => ("record_started", path.clone()),

@@ -440,7 +440,7 @@ fn a_device_waits_for_its_daemon_and_a_second_one_is_refused() {
     );
     assert_eq!(code(&second), 2, "{}", words(&second));
     assert!(
-        words(&second).contains("held by another device (ideal)"),
+        words(&second).contains("held by another client (ideal)"),
         "{}",
         words(&second)
     );

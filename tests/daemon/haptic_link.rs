@@ -65,18 +65,18 @@ fn until(what: &str, mut asked: impl FnMut() -> bool) {
     }
 }
 
-// A client that died inside the body and comes back there, counting from 1, deeper than it was: the
-// force rises with the limit from nothing, never faster, to what it would have been without the
-// loss.
+/// On the way from outside into the drop.
+fn way(share: f64) -> [f64; 3] {
+    [0.06 - (0.06 - INSIDE[0]) * share, INSIDE[1], INSIDE[2]]
+}
+
+// A client that died inside the body and comes back there, counting from 1: no force until it has been out of it;
+// then that which it would have been without the loss.
 #[test]
 fn a_tool_that_returns_into_a_body_feels_no_kick() {
     let mut world = World::new(SCENE);
     for k in 0..300 {
-        world.at([
-            0.06 - (0.06 - INSIDE[0]) * f64::from(k.min(200)) / 200.0,
-            INSIDE[1],
-            INSIDE[2],
-        ]);
+        world.at(way(f64::from(k.min(200)) / 200.0));
     }
     let held = world.at(INSIDE).tools[0].force_n;
     assert!(
@@ -88,21 +88,18 @@ fn a_tool_that_returns_into_a_body_feels_no_kick() {
     }
     assert_eq!(world.silent().tools[0].force_n.norm(), 0.0);
     world.seq = 0;
-    let mut before = 0.0;
     for k in 1..=200 {
-        let force = world.at(INSIDE).tools[0].force_n.norm();
-        assert!(
-            force <= RAMP_N * f64::from(k) + 1e-12,
-            "{force} N at tick {k} after the return"
-        );
-        assert!(
-            force - before <= RAMP_N + 1e-12,
-            "from {before} to {force} N at tick {k}"
-        );
-        before = force;
+        let tool = world.at(INSIDE).tools[0];
+        assert_eq!((tool.pose_seq, tool.flags), (k, flags::WITHHELD));
+        assert_eq!(tool.force_n.norm(), 0.0);
+    }
+    for k in 0..=200 {
+        world.at(way(1.0 - f64::from(k) / 200.0));
+    }
+    for k in 0..300 {
+        world.at(way(f64::from(k.min(200)) / 200.0));
     }
     let again = world.at(INSIDE);
-    assert_eq!(again.tools[0].pose_seq, 201, "old numbers are taken");
     assert!(
         (again.tools[0].force_n - held).norm() < 1e-9 * held.norm(),
         "{:?} was {held:?}",
@@ -127,11 +124,13 @@ fn a_device_killed_in_contact_leaves_by_the_ramp_and_the_next_one_joins_by_it() 
     let palpate = daemon.connect();
     let lost = Arc::new(Mutex::new(0u64));
     let seen = lost.clone();
+    let withheld = Arc::new(Mutex::new(0));
+    let said = withheld.clone();
     let _events = palpate
-        .events(move |event| {
-            if matches!(event.kind, EventKind::ToolLost { .. }) {
-                *seen.lock().unwrap() = event.tick;
-            }
+        .events(move |event| match &event.kind {
+            EventKind::ToolLost { .. } => *seen.lock().unwrap() = event.tick,
+            EventKind::ForceWithheld { tool } if tool == "ball" => *said.lock().unwrap() += 1,
+            _ => {}
         })
         .unwrap();
     // A bare subscriber, as other programs are: it is what makes the daemon send these messages.
@@ -188,6 +187,16 @@ fn a_device_killed_in_contact_leaves_by_the_ramp_and_the_next_one_joins_by_it() 
         tool.force()
             .is_some_and(|force| force.pose_seq > 100 && force.pose_seq <= seq)
     });
+    let force = tool.force().unwrap();
+    assert_eq!((force.force, force.flags), ([0.0; 3], flags::WITHHELD));
+    for k in -200i32..=200 {
+        tool.send(pose_at(way(f64::from(k.abs()) / 200.0))).unwrap();
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    until("it presses", || {
+        tool.send(pose_at(INSIDE)).unwrap();
+        *felt.lock().unwrap() > 1.0 && tool.force().is_some_and(|force| force.flags == 0)
+    });
     palpate.rpc(Call::Shutdown).unwrap();
     drop(tool);
     let (text, code) = daemon.end();
@@ -218,7 +227,17 @@ fn a_device_killed_in_contact_leaves_by_the_ramp_and_the_next_one_joins_by_it() 
         );
     }
     assert_eq!(force_n(&ticks[joined - 1]), 0.0);
-    for (k, record) in ticks[joined..].iter().enumerate() {
+    let is_withheld = |k: usize| ticks[k].output.tools[0].flags & flags::WITHHELD != 0;
+    let begun = (1..ticks.len()).filter(|&k| is_withheld(k) && !is_withheld(k - 1));
+    assert_eq!(
+        *withheld.lock().unwrap(),
+        begun.count(),
+        "an event for each time"
+    );
+    let released = (joined..ticks.len()).find(|&k| !is_withheld(k)).unwrap();
+    assert!(released > joined + 100, "it was not told in time");
+    assert!((joined..released).all(|k| force_n(&ticks[k]) == 0.0));
+    for (k, record) in ticks[released..].iter().enumerate() {
         let limit = RAMP_N * (k + 1) as f64;
         assert!(
             force_n(record) <= limit + 1e-12,
@@ -232,7 +251,7 @@ fn a_device_killed_in_contact_leaves_by_the_ramp_and_the_next_one_joins_by_it() 
         "contacts push with {pushed} N only: nothing to hold back"
     );
     assert!(
-        ticks[joined..].iter().any(|record| force_n(record) > 0.1),
+        ticks[released..].iter().any(|record| force_n(record) > 0.1),
         "the next holder feels nothing"
     );
 }

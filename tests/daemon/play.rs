@@ -376,8 +376,8 @@ fn try_published(
         let over = thread.is_finished();
         while bus.records.pop().is_ok() {}
         bus.nets.iter_mut().for_each(|net| drop(net.newest()));
-        while let Ok(output) = bus.outputs.pop() {
-            outputs.push((*output).clone());
+        while let Ok(told) = bus.outputs.pop() {
+            outputs.push(told.output.clone());
         }
         if over {
             return thread.join().unwrap().map(|report| (outputs, report));

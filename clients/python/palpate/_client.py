@@ -211,6 +211,8 @@ class Tool:
         ------
         DaemonError
             The daemon of this session has ended; with its last words.
+        HeldError
+            Another client holds the tool: this one's poses are dropped.
         NoAnswerError
             No such force came within ``timeout`` seconds.
         """
@@ -276,8 +278,8 @@ class Tool:
 
         Raises
         ------
-        DaemonError, NoAnswerError
-            The daemon has ended, or no force came for 5 s.
+        DaemonError, HeldError, NoAnswerError
+            The daemon has ended, another client holds the tool, or no force came for 5 s.
         """
         if not (math.isfinite(rate) and rate > 0.0):
             raise ValueError(f"rate is {rate}; it must be finite and above 0")
@@ -439,6 +441,8 @@ class Session:
         ------
         UnknownNameError
             The scene has no such tool; it lists what there is.
+        HeldError
+            Another client moves it.
         """
         self._check()
         tool = Tool(self._link.tool(id), self)

@@ -88,6 +88,10 @@ class RefusedError(ClientError, ValueError):
     """A command that the daemon refused, in its words."""
 
 
+class HeldError(ClientError):
+    """A tool that another client holds; the message names the tool, and the other client or its device."""
+
+
 class UnknownNameError(ClientError, KeyError):
     """A tool or body that the daemon's scene does not have."""
 

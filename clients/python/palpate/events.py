@@ -131,6 +131,14 @@ class SceneChanged:
     """What became of which bodies."""
 
 
+@dataclass(frozen=True)
+class ForceWithheld:
+    """A tool was seated inside a body: it gives no force until its contact force has been small once."""
+
+    tool: str
+    """Tool id."""
+
+
 #: What happened. May grow at its end: skip an event that raises :class:`palpate.UnknownCase`.
 EventKind = Union[
     Reset,
@@ -148,12 +156,14 @@ EventKind = Union[
     DeviceTold,
     RecordFailed,
     SceneChanged,
+    ForceWithheld,
 ]
 
 __all__ = [
     "DeviceTold",
     "EventKind",
     "Fault",
+    "ForceWithheld",
     "Overrun",
     "Paused",
     "PoseRefused",

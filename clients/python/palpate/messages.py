@@ -63,6 +63,8 @@ class ForceFlags(enum.IntFlag):
     """The tool holds on to what it grabbed."""
     DAMPED = 128
     """A damper was added to keep the loop from making energy."""
+    WITHHELD = 256
+    """No force: the tool was seated inside a body, and its contact force was not small once since then."""
 
 
 @dataclass(frozen=True)

@@ -28,6 +28,7 @@ pub fn client_error(error: ClientError) -> PyErr {
         ClientError::Unreachable { .. } => "UnreachableError",
         ClientError::NoAnswer { .. } => "NoAnswerError",
         ClientError::Refused { .. } | ClientError::Call(_) => "RefusedError",
+        ClientError::Held { .. } => "HeldError",
         ClientError::Unknown { .. } => "UnknownNameError",
         _ => "ClientError",
     };
@@ -434,7 +435,11 @@ impl Tool {
             let left = deadline.saturating_duration_since(Instant::now());
             // Longer than the client's own time until it sends a pose again.
             let slice = left.min(3 * SLICE);
-            if let Some(force) = self.with(py, |tool| tool.wait_force(seq, slice))? {
+            let wait = |tool: &mut palpate_client::Tool| match tool.wait_force(seq, slice) {
+                None => tool.take_refusal().map(|()| None),
+                force => Ok(force),
+            };
+            if let Some(force) = self.with(py, wait)?.map_err(client_error)? {
                 return force_message(py, &force).map(Some);
             }
             py.check_signals()?;

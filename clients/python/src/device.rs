@@ -1,11 +1,11 @@
 //! Simulated haptic devices: those of `palpate device`.
 
-use crate::client::Tool;
+use crate::client::{Tool, client_error};
 use crate::errors::raised;
 use crate::pose::Pose;
 use crate::values::{floats, python};
 use numpy::PyArray1;
-use palpate_client::device::run::{PATIENCE, RunSettings, run as run_device};
+use palpate_client::device::run::{PATIENCE, RunError, RunSettings, run as run_device};
 use palpate_client::device::{self, DeviceModel, Goal, Hand, Motion, Network, devices};
 use palpate_proto::messages::ToolPose;
 use pyo3::exceptions::PyValueError;
@@ -206,9 +206,7 @@ impl SimulatedDevice {
                 "seconds is {seconds}; it must be finite and above 0"
             )));
         }
-        let scene = py
-            .detach(|| tool.palpate().scene())
-            .map_err(crate::client::client_error)?;
+        let scene = py.detach(|| tool.palpate().scene()).map_err(client_error)?;
         let id = tool.name().to_owned();
         let motion = match text_of(motion)? {
             Some(text) => Motion::from_toml(&text, motion, &scene, &id, depth),
@@ -248,7 +246,6 @@ impl SimulatedDevice {
                     let report = Python::attach(|py| {
                         tool.with(py, |tool| {
                             run_device(tool, &mut device, &motion, &settings, &stop, &mut |_| {})
-                                .map_err(|e| e.to_string())
                         })
                     });
                     done.store(true, Ordering::Release);
@@ -268,7 +265,10 @@ impl SimulatedDevice {
         signal?;
         let report =
             report.map_err(|_| crate::errors::internal("the device's thread panicked"))??;
-        let report = report.map_err(|error| raised("ClientError", error))?;
+        let report = report.map_err(|error| match error {
+            RunError::Client(error) => client_error(error),
+            RunError::Network(error) => raised("ClientError", error),
+        })?;
         *self.locked() = device;
         if report.gave_up {
             return Err(raised("NoAnswerError", "the daemon stopped answering"));

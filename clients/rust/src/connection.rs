@@ -107,6 +107,16 @@ pub enum ClientError {
         /// What there is.
         known: String,
     },
+    /// Another client holds the tool.
+    #[error(
+        "tool {tool:?} is held by another client ({holder}); stop it first, or move another tool"
+    )]
+    Held {
+        /// Its id.
+        tool: String,
+        /// Name of the other's device, or what the daemon calls the other client.
+        holder: String,
+    },
     /// A description that fits no device.
     #[error(transparent)]
     Device(#[from] DeviceError),

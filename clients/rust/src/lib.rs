@@ -38,5 +38,5 @@ pub use palpate_proto as proto;
 pub use palpate_proto::watchdog::{Silences, Watchdog};
 pub use ping::{PingReport, raw_ping};
 pub use publish::{encoding, publisher};
-pub use tool::{Forces, Tool, holder_id, pose_at};
+pub use tool::{Forces, Tool, holder_id, pose_at, short_id};
 pub use watch::Seen;

@@ -253,6 +253,7 @@ impl TestSession {
         let seq = tool.send(pose)?;
         let force = tool.wait_force(seq, self.timeout);
         if force.is_none() {
+            tool.take_refusal()?;
             self.daemon.still_runs()?;
         }
         force.ok_or(TestError::NoForce {

@@ -6,11 +6,12 @@ use crate::exact::is_one_key;
 use crate::newest::NewestForce;
 use crate::publish::publisher;
 use palpate_proto::codec::{decode, encode};
-use palpate_proto::messages::{DeviceInfo, ToolContact, ToolForce, ToolPose};
+use palpate_proto::messages::{DeviceInfo, ToolContact, ToolForce, ToolPose, force_flags};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use zenoh::Wait;
+use zenoh::bytes::ZBytes;
 
 /// A pose at rest at a place, unrotated. Its `seq` and time are set when it is sent.
 pub fn pose_at(position: [f64; 3]) -> ToolPose {
@@ -32,8 +33,10 @@ const RESEND: Duration = Duration::from_millis(100);
 /// A held tool. Its liveliness token lasts as long as it.
 ///
 /// Its forces are what a hand may feel: answers to its own poses, not to those of whoever holds the tool
-/// in its place, and when they stop coming they fade to zero ([`Forces::get`]).
+/// in its place, and when they stop coming they fade to zero ([`Forces::get`]). While another client sends poses
+/// of the tool, its own are dropped by the daemon: [`Tool::send`] says so ([`ClientError::Held`]).
 pub struct Tool {
+    id: String,
     publisher: zenoh::pubsub::Publisher<'static>,
     forces: Forces,
     seq: u64,
@@ -69,6 +72,12 @@ struct State {
 
 /// The poses of a tool, by which it knows its answers.
 struct Sent {
+    /// Goes with each, and with the forces that answer them.
+    holder: Vec<u8>,
+    /// The first since the last answer.
+    unanswered: Option<Instant>,
+    /// Whose poses were answered instead.
+    other: Option<String>,
     seq: u64,
     /// Time of each, in the place of its number; as many as are under way at 4 kHz and two seconds of delay.
     times_ns: Box<[u64; SENT]>,
@@ -76,17 +85,44 @@ struct Sent {
 
 const SENT: usize = 8192;
 
+/// Whose poses are answered for so long while ours are not holds the tool: in this time a daemon takes it
+/// from a client that has fallen silent.
+const HELD: Duration = Duration::from_millis(250);
+
 impl Sent {
-    fn new() -> Self {
+    fn new(holder: Vec<u8>) -> Self {
         Self {
+            holder,
+            unanswered: None,
+            other: None,
             seq: 0,
             times_ns: Box::new([0; SENT]),
         }
     }
 
-    fn note(&mut self, pose: &ToolPose) {
+    fn note(&mut self, pose: &ToolPose, now: Instant) {
+        self.unanswered.get_or_insert(now);
         self.seq = pose.seq;
         self.times_ns[pose.seq as usize % SENT] = pose.t_client_ns;
+    }
+
+    /// Whether a force is for this hand: it answers a pose of ours. `sender`: whose pose it answers; daemons of
+    /// before do not say.
+    fn hear(&mut self, force: &ToolForce, sender: Option<&[u8]>, now: Instant) -> bool {
+        if let Some(other) = sender.filter(|sender| *sender != self.holder) {
+            // A stale pose is that of a client that has left.
+            let moved = force.pose_seq > 0 && force.flags & force_flags::STALE == 0;
+            let waits = |since| now.saturating_duration_since(since) > HELD;
+            if moved && self.unanswered.is_some_and(waits) {
+                self.other = Some(short_id(other));
+            }
+            return false;
+        }
+        let is_answer = self.is_answer(force);
+        if is_answer {
+            (self.unanswered, self.other) = (None, None);
+        }
+        is_answer
     }
 
     fn is_answer(&self, force: &ToolForce) -> bool {
@@ -101,18 +137,15 @@ impl Shared {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn take(&self, force: ToolForce) {
-        let mut state = self.lock();
-        // Whose token was lost hears the forces of the next holder: what that hand presses is not for ours.
-        if state
-            .sent
-            .as_ref()
-            .is_none_or(|sent| sent.is_answer(&force))
-        {
-            state.newest.offer(force, Instant::now());
-            drop(state);
-            self.arrived.notify_all();
+    fn take(&self, force: ToolForce, sender: Option<&[u8]>) {
+        let (mut state, now) = (self.lock(), Instant::now());
+        let state = &mut *state;
+        // What another hand presses is not for ours.
+        let sent = state.sent.as_mut();
+        if sent.is_none_or(|sent| sent.hear(&force, sender, now)) {
+            state.newest.offer(force, now);
         }
+        self.arrived.notify_all();
     }
 }
 
@@ -136,7 +169,8 @@ impl Forces {
                 if is_one_key(sample.key_expr())
                     && let Ok(force) = decode::<ToolForce>(&sample.payload().to_bytes(), "")
                 {
-                    told.take(force);
+                    let sender = sample.attachment().map(ZBytes::to_bytes);
+                    told.take(force, sender.as_deref());
                 }
             })
             .wait()
@@ -180,11 +214,19 @@ pub fn holder_id(session: &zenoh::Session) -> Vec<u8> {
     .concat()
 }
 
+/// Enough of such an id to tell clients apart, as text.
+pub fn short_id(id: &[u8]) -> String {
+    // First comes the session, last the number of the call in it.
+    let tail = id.len().saturating_sub(4).max(4).min(id.len());
+    let bytes = id.iter().take(4).chain(&id[tail..]);
+    bytes.map(|byte| format!("{byte:02x}")).collect()
+}
+
 impl Palpate {
     /// Takes a tool of the scene.
     ///
     /// # Errors
-    /// No such tool, or Zenoh refused.
+    /// No such tool, another client that moves it, or Zenoh refused.
     pub fn tool(&self, id: &str) -> Result<Tool, ClientError> {
         let scene = self.scene()?;
         if !scene.tools.iter().any(|tool| tool.id == id) {
@@ -200,7 +242,28 @@ impl Palpate {
                 known,
             });
         }
+        // Who has just left is known a little longer.
+        let begun = Instant::now();
+        while let Some(holder) = self.holder(id)? {
+            if begun.elapsed() > 2 * HELD {
+                let tool = id.to_owned();
+                return Err(ClientError::Held { tool, holder });
+            }
+            std::thread::sleep(Duration::from_millis(20));
+        }
         Tool::new(self, id, scene.lockstep)
+    }
+
+    /// Who moves a tool: the name of its device, or what the daemon calls the client.
+    fn holder(&self, tool: &str) -> Result<Option<String>, ClientError> {
+        let info: serde_json::Value =
+            serde_json::from_str(&self.info()?).map_err(ClientError::zenoh)?;
+        let told = &info["devices"][tool];
+        let name = told["info"]["name"]
+            .as_str()
+            .filter(|name| !name.is_empty());
+        let holder = told["holder"].as_str();
+        Ok(holder.map(|client| name.unwrap_or(client).to_owned()))
     }
 
     /// Forces of a tool, for those who watch and do not hold it.
@@ -226,7 +289,8 @@ impl Tool {
         let (session, keys) = (palpate.session(), palpate.keys());
         let timeless = lockstep && palpate.is_timeless()?;
         let newest = NewestForce::new(timeless, false);
-        let forces = Forces::subscribe(palpate, id, newest, Some(Sent::new()))?;
+        let holder = holder_id(session);
+        let forces = Forces::subscribe(palpate, id, newest, Some(Sent::new(holder.clone())))?;
         let publisher =
             publisher::<ToolPose>(session, keys.tool_pose(id)).map_err(ClientError::zenoh)?;
         let token = session
@@ -235,11 +299,12 @@ impl Tool {
             .wait()
             .map_err(ClientError::zenoh)?;
         Ok(Self {
+            id: id.to_owned(),
             publisher,
             forces,
             seq: 0,
             last: None,
-            holder: holder_id(session),
+            holder,
             lockstep,
             session: session.clone(),
             device_key: keys.tool_device(id),
@@ -259,7 +324,7 @@ impl Tool {
     /// sessions repeat by bits.
     ///
     /// # Errors
-    /// Zenoh refused.
+    /// Another client holds the tool ([`Tool::take_refusal`]), or Zenoh refused.
     ///
     /// # Examples
     /// ```no_run
@@ -271,6 +336,7 @@ impl Tool {
     /// # Ok::<(), palpate_client::ClientError>(())
     /// ```
     pub fn send(&mut self, pose: ToolPose) -> Result<u64, ClientError> {
+        self.take_refusal()?;
         self.seq += 1;
         let t_client_ns = if self.lockstep {
             pose.t_client_ns
@@ -284,13 +350,31 @@ impl Tool {
         };
         self.last = Some(pose);
         if let Some(sent) = &mut self.forces.shared.lock().sent {
-            sent.note(&pose);
+            sent.note(&pose, Instant::now());
         }
         if let Some(announcement) = &self.announcement {
             announcement.repeat_if_due()?;
         }
         self.put(&pose)?;
         Ok(self.seq)
+    }
+
+    /// Whether the daemon dropped what was sent, because another client holds the tool: poses went unanswered
+    /// for 250 ms while those of the other were answered. Said once; what is sent after that is another try.
+    ///
+    /// # Errors
+    /// [`ClientError::Held`].
+    pub fn take_refusal(&self) -> Result<(), ClientError> {
+        let mut state = self.forces.shared.lock();
+        let other = state.sent.as_mut().and_then(|sent| {
+            let other = sent.other.take()?;
+            sent.unanswered = None;
+            Some(other)
+        });
+        other.map_or(Ok(()), |holder| {
+            let tool = self.id.clone();
+            Err(ClientError::Held { tool, holder })
+        })
     }
 
     fn put(&self, pose: &ToolPose) -> Result<(), ClientError> {
@@ -376,7 +460,8 @@ impl Tool {
     }
 
     /// Waits for a force that answers the pose `seq` or a later one, and gives it as it may act then
-    /// ([`Forces::get`]). In lockstep the pose is sent again now and then.
+    /// ([`Forces::get`]). In lockstep the pose is sent again now and then. `None` also when another client holds
+    /// the tool ([`Tool::take_refusal`]).
     pub fn wait_force(&self, seq: u64, timeout: Duration) -> Option<ToolForce> {
         let started = Instant::now();
         let shared = &self.forces.shared;
@@ -385,6 +470,9 @@ impl Tool {
             let felt = state.newest.felt(Instant::now());
             if let Some(force) = felt.filter(|force| force.pose_seq >= seq) {
                 return Some(force);
+            }
+            if state.sent.as_ref().is_some_and(|sent| sent.other.is_some()) {
+                return None;
             }
             let left = timeout.checked_sub(started.elapsed())?;
             let slice = if self.lockstep {
@@ -445,10 +533,11 @@ mod tests {
 
     #[test]
     fn a_force_that_answers_the_pose_of_another_is_no_answer() {
-        let mut sent = Sent::new();
+        let mut sent = Sent::new(vec![7; 24]);
+        let now = Instant::now();
         assert!(!sent.is_answer(&answer(0, 0)), "nothing was sent");
         for seq in 1..=3 * SENT as u64 {
-            sent.note(&pose(seq));
+            sent.note(&pose(seq), now);
             assert!(sent.is_answer(&answer(seq, 1_000 + seq)));
         }
         let last = 3 * SENT as u64;
@@ -461,5 +550,47 @@ mod tests {
         ] {
             assert!(!sent.is_answer(&answer(seq, time)), "{seq} {time}");
         }
+    }
+
+    // Two clients in lockstep: both count from 1 and send no time.
+    #[test]
+    fn a_force_with_our_number_that_answers_another_client_is_not_ours_and_says_who_holds_the_tool()
+    {
+        let begun = Instant::now();
+        let at = |ms| begun + Duration::from_millis(ms);
+        let (ours, other) = ([7; 24], [9; 24]);
+        let mut sent = Sent::new(ours.to_vec());
+        for seq in 1..=500 {
+            sent.note(&pose(seq), at(seq));
+            let force = answer(seq, 1_000 + seq);
+            assert!(!sent.hear(&force, Some(&other), at(seq)));
+            // In less time it may be the other that has just left.
+            assert_eq!(sent.other.is_some(), seq > 251, "{seq} ms");
+        }
+        assert_eq!(sent.other.as_deref(), Some("0909090909090909"));
+        // The other leaves: its last pose grows stale, and ours is answered.
+        let answered = answer(500, 1_500);
+        assert!(sent.hear(&answered, Some(&ours), at(600)));
+        sent.note(&pose(501), at(601));
+        let left = ToolForce {
+            flags: force_flags::STALE,
+            ..answer(501, 1_501)
+        };
+        assert!(!sent.hear(&left, Some(&other), at(2_000)));
+        assert!(!sent.hear(&answer(0, 0), Some(&other), at(2_000)));
+        assert_eq!(sent.other, None);
+        // A daemon of before does not say whose pose it was.
+        assert!(sent.hear(&answer(501, 1_501), None, at(2_000)));
+    }
+
+    #[test]
+    fn an_id_is_shortened_whatever_its_length() {
+        assert_eq!(short_id(&[]), "");
+        assert_eq!(short_id(&[1, 2, 3]), "010203");
+        assert_eq!(short_id(&[1, 2, 3, 4, 5, 6]), "010203040506");
+        assert_eq!(
+            short_id(&[[1; 4], [2; 4], [3; 4]].concat()),
+            "0101010103030303"
+        );
     }
 }

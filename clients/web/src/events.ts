@@ -85,5 +85,10 @@ export const EventKind = cases({
     /** What became of which bodies. */
     what: text,
   }),
+  /** A tool was seated inside a body: it gives no force until its contact force has been small once. */
+  ForceWithheld: struct({
+    /** Tool id. */
+    tool: text,
+  }),
 });
 export type EventKind = Value<typeof EventKind>;

@@ -60,6 +60,8 @@ export const ForceFlags = {
   GRABBING: 64,
   /** A damper was added to keep the loop from making energy. */
   DAMPED: 128,
+  /** No force: the tool was seated inside a body, and its contact force was not small once since then. */
+  WITHHELD: 256,
 } as const;
 
 /** The force a hand should feel: wrench on the tool, world axes, at the tool's reference point. */

@@ -221,6 +221,7 @@ pub fn events() -> Vec<(&'static str, SimEvent)> {
                 what: "a and b are one body, a-b".into(),
             },
         ),
+        ("force_withheld", EventKind::ForceWithheld { tool: tool() }),
     ];
     let event = |k: usize, kind| SimEvent {
         tick: 500,

@@ -18,10 +18,10 @@ pub use node::{Intake, RosNode, RosPublisher, RosReceiver, TriggerCall};
 pub use plan::{ArmPlan, Plan};
 pub use sim_arm::{ArmReport, simulate_arm};
 
-use super::{Coupling, couple};
+use super::{CoupleError, Coupling, couple};
 use crate::transport::AdapterCounts;
 use palpate_client::proto::messages::DeviceInfo;
-use palpate_client::{Palpate, Tool};
+use palpate_client::{ClientError, Palpate, Tool};
 use palpate_devices::Coupler;
 use scenery::Scenery;
 use std::sync::Arc;
@@ -124,12 +124,23 @@ fn serve_arm(
     stop: &AtomicBool,
 ) -> anyhow::Result<()> {
     let (mut tool, info) = hold_tool(palpate, arm, &format!("ros2 {}", arm.pose), lockstep)?;
-    let coupling = Coupling {
-        coupler: Coupler::new(arm.coupler.clone()),
-        info,
-        stop,
+    let mut told = false;
+    let report = loop {
+        let coupling = Coupling {
+            coupler: Coupler::new(arm.coupler.clone()),
+            info: info.clone(),
+            stop,
+        };
+        match couple(&mut device, &mut tool, coupling) {
+            // The device has no force, and tries again with its next pose: the other may have left.
+            Err(CoupleError::Bus(error @ ClientError::Held { .. })) => {
+                if !std::mem::replace(&mut told, true) {
+                    tracing::warn!(%error, "poses of a ROS device are dropped; later ones without a word");
+                }
+            }
+            ended => break ended?,
+        }
     };
-    let report = couple(&mut device, &mut tool, coupling)?;
     let dropped: Vec<String> = device.intake().counts()[1..]
         .iter()
         .filter(|(_, count)| *count > 0)

@@ -59,7 +59,7 @@ fn a_bridge_killed_while_pressing_leaves_zero_and_free_behind_the_guard() {
     peer.await_listener::<PoseStamped>("/arm/measured_cp");
     peer.await_listener::<WrenchStamped>("/arm/palpate/servo_cf");
     let begun = Instant::now();
-    let mut last = 0.0;
+    let (mut last, mut x) = (0.0, 0.036);
     while last < 0.5 {
         assert!(
             begun.elapsed() < Duration::from_secs(60),
@@ -67,8 +67,10 @@ fn a_bridge_killed_while_pressing_leaves_zero_and_free_behind_the_guard() {
         );
         peer.put(
             "/arm/measured_cp",
-            &pose(now_ns() / 1_000_000, [0.0255, 0.003, 0.045]),
+            &pose(now_ns() / 1_000_000, [x, 0.003, 0.045]),
         );
+        // From outside: in the body it would feel nothing.
+        x = f64::max(x - 3e-4, 0.0255);
         std::thread::sleep(Duration::from_millis(1));
         for wrench in forces.take::<WrenchStamped>() {
             last = wrench.force[0];

@@ -40,9 +40,19 @@ fn press_until(peer: &Peer, position: [f64; 3], mut until: impl FnMut() -> bool)
             "it does not happen"
         );
         k += 1;
-        peer.put(POSE, &pose(now_ms(), position));
+        let share = if position == PRESSED {
+            k as f64 / 40.0
+        } else {
+            1.0
+        };
+        peer.put(POSE, &pose(now_ms(), coming_to(position, share)));
         std::thread::sleep(Duration::from_millis(k).saturating_sub(begun.elapsed()));
     }
+}
+
+/// A hand comes from outside: inside the body it would feel nothing.
+fn coming_to(place: [f64; 3], share: f64) -> [f64; 3] {
+    [0, 1, 2].map(|c| AWAY[c] + (place[c] - AWAY[c]) * share.min(1.0))
 }
 
 fn now_ms() -> u64 {
@@ -275,6 +285,8 @@ fn a_clutch_pressed_in_contact_lets_the_hand_go_without_a_step_of_force() {
     let ros2 = format!("{ARM}button = \"/arm/button1\"\ngrab = 5\nclutch = 0\n");
     let (_files, daemon) = start(&ros2, &[]);
     let peer = Peer::connect(&daemon.endpoint);
+    let palpate = daemon.connect();
+    let newest = palpate.forces("ball").unwrap();
     let forces = peer.hear::<WrenchStamped>(FORCE);
     peer.await_listener::<PoseStamped>(POSE);
     press_until(&peer, PRESSED, || felt(&forces));
@@ -302,8 +314,6 @@ fn a_clutch_pressed_in_contact_lets_the_hand_go_without_a_step_of_force() {
         }
         assert!(begun.elapsed() < Duration::from_secs(60));
     }
-    let palpate = daemon.connect();
-    let newest = palpate.forces("ball").unwrap();
     // The tool still presses: it stayed where it was.
     press_until(&peer, [x, PRESSED[1], PRESSED[2]], || {
         newest.get().is_some_and(|force| force.force[0] > 0.5)
@@ -329,7 +339,8 @@ fn devices_of_100_500_and_4000_hz_are_all_answered() {
         let begun = Instant::now();
         let mut most: f64 = 0.0;
         for k in 1..=rate_hz {
-            peer.put(POSE, &pose(now_ms(), PRESSED));
+            let share = 4.0 * k as f64 / rate_hz as f64;
+            peer.put(POSE, &pose(now_ms(), coming_to(PRESSED, share)));
             let due = Duration::from_secs_f64(k as f64 / rate_hz as f64);
             std::thread::sleep(due.saturating_sub(begun.elapsed()));
         }
@@ -375,7 +386,8 @@ fn an_array_of_numbers_goes_to_a_ros2_control_device() {
     let forces = peer.hear::<Float64MultiArray>("/fd/fd_controller/commands");
     peer.await_listener::<PoseStamped>("/fd/ee_pose");
     for k in 1..=100 {
-        peer.put("/fd/ee_pose", &pose(k, PRESSED));
+        let place = coming_to(PRESSED, k as f64 / 50.0);
+        peer.put("/fd/ee_pose", &pose(k, place));
         let array: Float64MultiArray = forces.next();
         assert_eq!(array.data.len(), 3);
         if k == 100 {

@@ -75,11 +75,13 @@ pub fn a_page_that_does_not_read_gets_the_newest_only() {
     while begun.elapsed() < Duration::from_secs(5) {
         seq += 1;
         let phase = 1e-3 * begun.elapsed().as_millis() as f64;
+        // From outside, where its force is not withheld.
+        let x = f64::max(0.018 + 0.004 * phase.sin(), 0.05 - 1e-3 * seq as f64);
         page.pose(
             "ball",
             &palpate_client::proto::messages::ToolPose {
                 seq,
-                ..pose_at([0.018 + 0.004 * phase.sin(), 0.003, 0.045])
+                ..pose_at([x, 0.003, 0.045])
             },
         );
         std::thread::sleep(Duration::from_millis(16));

@@ -3,6 +3,7 @@
 mod archive;
 mod commands;
 mod garbage;
+mod held;
 mod instances;
 mod meta;
 mod patterns;

@@ -8,6 +8,7 @@ import socket
 import subprocess
 import sys
 import textwrap
+import threading
 import time
 from pathlib import Path
 from typing import Any
@@ -355,3 +356,36 @@ def test_another_machine_without_tls_is_refused_before_it_is_asked() -> None:
         with pytest.raises(pp.ClientError, match="insecure|--identity"):
             pp.connect(endpoint, timeout=30.0)
     assert time.monotonic() - begun < 20.0
+
+
+@pytest.mark.parametrize("clock", ["realtime", "lockstep"])
+def test_a_tool_that_another_client_holds_is_refused_by_name_and_gives_no_force(clock: str) -> None:
+    with pp.serve(rigid(), clock=clock) as daemon, pp.connect(daemon.endpoint) as other:
+        holder, early = daemon.tool("probe"), other.tool("probe")
+        ended = threading.Event()
+
+        def hold() -> None:
+            for place in lower(100_000):
+                if ended.is_set():
+                    return
+                holder.step(place)
+                time.sleep(0.001)
+
+        thread = threading.Thread(target=hold)
+        thread.start()
+        try:
+            with pytest.raises(pp.HeldError, match='"probe"'):
+                deadline = time.monotonic() + 30.0
+                while time.monotonic() < deadline:
+                    other.tool("probe").close()
+            # It had the tool before the other moved it.
+            with pytest.raises(pp.HeldError, match='"probe"'):
+                early.step((0.0, 0.0, 0.1))
+            with pytest.raises(pp.HeldError, match='"probe"'):
+                early.run(lambda t, force: (0.0, 0.0, 0.1), seconds=30.0)
+            with pytest.raises(pp.HeldError, match='"probe"'):
+                early.drive(pp.SimulatedDevice(), "hold", seconds=30.0)
+            assert early.force is None and early.received == 0
+        finally:
+            ended.set()
+            thread.join()

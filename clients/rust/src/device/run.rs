@@ -56,6 +56,9 @@ pub struct RunReport {
     /// Times that no force came, in real time: the device was let go meanwhile.
     #[serde(default)]
     pub silences: Silences,
+    /// Forces that were withheld: the tool was seated inside a body, and was not out of it once yet.
+    #[serde(default)]
+    pub withheld: u64,
     /// The daemon stopped answering.
     pub gave_up: bool,
 }
@@ -108,7 +111,7 @@ pub struct Sample {
 /// Why a run failed.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
-    /// Zenoh refused a pose.
+    /// Another client holds the tool, or Zenoh refused a pose.
     #[error(transparent)]
     Client(#[from] ClientError),
     /// A figure of the network.
@@ -125,7 +128,7 @@ const SILENCE: Duration = Duration::from_secs(1);
 /// Runs a device until its time is over, or `stop` is set. `watch` sees every period.
 ///
 /// # Errors
-/// Zenoh refused a pose, or the network of the settings cannot be.
+/// Another client holds the tool, Zenoh refused a pose, or the network of the settings cannot be.
 pub fn run(
     tool: &mut Tool,
     device: &mut SimulatedDevice,
@@ -170,6 +173,7 @@ pub fn run(
             (true, Some(seq)) => {
                 let force = tool.wait_force(seq, settings.patience);
                 if force.is_none() {
+                    tool.take_refusal()?;
                     report.gave_up = true;
                     break;
                 }
@@ -193,6 +197,7 @@ pub fn run(
         if let Some(force) = force.filter(|force| servo.hear(now_s, *force)) {
             let size = force.force.iter().map(|f| f * f).sum::<f64>().sqrt();
             report.peak_force_n = report.peak_force_n.max(size);
+            report.withheld += u64::from(force.flags & force_flags::WITHHELD != 0);
             if force.flags & force_flags::STALE == 0 {
                 report.peak_depth_m = report.peak_depth_m.max(force.depth);
             }

@@ -50,6 +50,10 @@ function wordsOf(kind: EventKind): Told {
       const words = (count: bigint) => `${count === 1n ? "A pose" : `${count} times a pose`} of ${kind.tool} was refused: ${kind.reason}`;
       return counted("tool", words(1n), words, true);
     }
+    case "ForceWithheld": {
+      const words = (count: bigint) => `${kind.tool} is inside a body: no force until it is out of it${count === 1n ? "" : ` (${count} times)`}`;
+      return counted("tool", words(1n), words);
+    }
     case "Fault": return faultWords(kind.reason);
     case "RecordStarted": return told("recorder", `Recording to ${kind.path}`);
     case "RecordStopped": return told("recorder", `Recorded ${kind.path}`);
@@ -86,6 +90,7 @@ function recordedKind(kind: string, detail: string): EventKind | null {
     case "tool_joined": return { type: "ToolJoined", tool: detail };
     case "tool_lost": return { type: "ToolLost", tool: detail };
     case "pose_refused": return { type: "PoseRefused", tool: first, reason: rest };
+    case "force_withheld": return { type: "ForceWithheld", tool: detail };
     case "fault": return { type: "Fault", reason: detail };
     case "record_started": return { type: "RecordStarted", path: detail };
     case "record_stopped": return { type: "RecordStopped", path: detail };
@@ -115,6 +120,7 @@ const STATES: readonly (readonly [flag: number, words: string, hides: number])[]
   [ForceFlags.FAULT, "fault: the force is safe, not right", 0],
   [ForceFlags.REFUSED, "the last pose was refused", ForceFlags.SATURATED | ForceFlags.RAMPING],
   [ForceFlags.STALE, "no fresh pose", ForceFlags.SATURATED | ForceFlags.RAMPING | ForceFlags.GRABBING],
+  [ForceFlags.WITHHELD, "inside a body: no force until it is out of it", 0],
   [ForceFlags.PAUSED, "paused", ForceFlags.SATURATED | ForceFlags.RAMPING],
   [ForceFlags.RAMPING, "force ramping up", ForceFlags.SATURATED],
   [ForceFlags.SATURATED, "at the force limit", 0],

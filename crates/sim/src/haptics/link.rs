@@ -2,9 +2,12 @@
 //! ramp.
 //!
 //! ```text
-//! Absent ─first pose─▶ Live ─stale or jump─▶ Fading ─limit at zero, next pose─▶ Live (proxy seated anew)
-//!                       ▲───────── a pose near the last believed one ───────────┘
+//! Absent ─first pose─▶ Withheld ─contact force small─▶ Live ─stale or jump─▶ Fading
+//!                       ▲                               ▲── a pose near the last ──┤
+//!                       └───────── limit at zero, next pose (proxy seated anew) ───┘
 //! ```
+//! A device may be switched on inside a body. Its force then stays zero until what the contacts would give has been
+//! small once: it must not be thrown out of where it rests.
 //! Time is counted in ticks and in deadlines of ticks that were dropped, both recorded: a replay sees the same
 //! ages, and a loop that cannot keep its rate lets no force act longer.
 
@@ -30,12 +33,14 @@ pub struct LinkLimits {
 pub enum LinkPhase {
     /// No pose yet.
     Absent,
-    /// Poses are believed.
+    /// Poses are believed, and their force may act.
     Live,
     /// Poses stopped: the force fades.
     Stale,
     /// A pose was no possible motion: the force fades, then the new place is taken.
     Jumped,
+    /// Poses are believed, and none had a small force yet since the tool was seated.
+    Withheld,
 }
 
 /// State of a tool's link.
@@ -114,9 +119,9 @@ impl Link {
         if let Some(new) = new {
             let stride = (new.position - self.pose.position).norm();
             // Over a longer stall a hand may have gone anywhere: what is far then is a new place.
-            let ticks = match self.phase {
-                LinkPhase::Live => self.age_ticks.min(limits.stale_ticks.saturating_add(1)),
-                _ => self.age_ticks,
+            let ticks = match self.is_believed() {
+                true => self.age_ticks.min(limits.stale_ticks.saturating_add(1)),
+                false => self.age_ticks,
             };
             let plausible = stride <= limits.stride_max_m * f64::from(ticks);
             let faded =
@@ -128,24 +133,45 @@ impl Link {
                 }
                 admission.refused = true;
             } else if self.phase == LinkPhase::Absent || faded {
-                self.believe(new);
+                self.believe(new, LinkPhase::Withheld);
                 admission.seated = true;
             } else if plausible {
-                self.believe(new);
+                let withheld = self.phase == LinkPhase::Withheld;
+                self.believe(
+                    new,
+                    if withheld {
+                        self.phase
+                    } else {
+                        LinkPhase::Live
+                    },
+                );
             } else {
                 self.phase = LinkPhase::Jumped;
                 admission.refused = true;
             }
-        } else if self.phase == LinkPhase::Live && self.age_ticks > limits.stale_ticks {
+        } else if self.is_believed() && self.age_ticks > limits.stale_ticks {
             self.phase = LinkPhase::Stale;
         }
+        self.ramp(limits, wanted);
+        admission
+    }
+
+    /// The contact force is small: what comes after it may be felt, by the ramp that begins here.
+    pub fn release(&mut self, limits: &LinkLimits, wanted: bool) {
+        if self.phase == LinkPhase::Withheld {
+            self.phase = LinkPhase::Live;
+            self.ramp(limits, wanted);
+        }
+    }
+
+    /// Moves the force limit towards its goal.
+    fn ramp(&mut self, limits: &LinkLimits, wanted: bool) {
         let goal = self.goal_n(limits, wanted);
         self.limit_n = if self.limit_n < goal {
             (self.limit_n + limits.ramp_n).min(goal)
         } else {
             (self.limit_n - limits.ramp_n).max(goal)
         };
-        admission
     }
 
     /// Where the force limit goes, N: all that the device can bear, or nothing.
@@ -162,15 +188,18 @@ impl Link {
         matches!(self.phase, LinkPhase::Stale | LinkPhase::Jumped) && self.limit_n == 0.0
     }
 
-    fn believe(&mut self, new: &DevicePose) {
-        self.pose = *new;
-        self.age_ticks = 0;
-        self.phase = LinkPhase::Live;
+    fn believe(&mut self, new: &DevicePose, phase: LinkPhase) {
+        (self.pose, self.age_ticks, self.phase) = (*new, 0, phase);
+    }
+
+    /// Poses come and are believed.
+    fn is_believed(&self) -> bool {
+        matches!(self.phase, LinkPhase::Live | LinkPhase::Withheld)
     }
 
     /// Velocity the coupling may use: none once the pose is old.
     pub fn velocity(&self) -> Vector3 {
-        if self.phase == LinkPhase::Live {
+        if self.is_believed() {
             self.pose.linear_velocity
         } else {
             Vector3::zeros()
@@ -179,7 +208,7 @@ impl Link {
 
     /// Angular velocity the coupling may use, rad/s: none once the pose is old.
     pub fn angular_velocity(&self) -> Vector3 {
-        if self.phase == LinkPhase::Live {
+        if self.is_believed() {
             self.pose.angular_velocity
         } else {
             Vector3::zeros()
@@ -194,6 +223,7 @@ impl Coded for LinkPhase {
             Self::Live => 1,
             Self::Stale => 2,
             Self::Jumped => 3,
+            Self::Withheld => 4,
         }
     }
 
@@ -203,6 +233,7 @@ impl Coded for LinkPhase {
             1 => Self::Live,
             2 => Self::Stale,
             3 => Self::Jumped,
+            4 => Self::Withheld,
             _ => return false,
         };
         true
@@ -249,6 +280,13 @@ mod tests {
         stride_max_m: 0.01,
     };
 
+    /// A tick of a tool that touches nothing.
+    fn free(link: &mut Link, new: Option<&DevicePose>, wanted: bool) -> Admission {
+        let admission = link.admit(new, &LIMITS, wanted);
+        link.release(&LIMITS, wanted);
+        admission
+    }
+
     fn at(x: f64, seq: u64) -> DevicePose {
         DevicePose {
             seq,
@@ -260,18 +298,18 @@ mod tests {
     #[test]
     fn force_limit_ramps_up_on_connect_and_down_when_poses_stop() {
         let mut link = Link::default();
-        assert!(link.admit(Some(&at(0.0, 1)), &LIMITS, true).seated);
+        assert!(free(&mut link, Some(&at(0.0, 1)), true).seated);
         assert_eq!(link.limit_n, 1.0);
         for seq in 2..=20 {
-            link.admit(Some(&at(0.0, seq)), &LIMITS, true);
+            free(&mut link, Some(&at(0.0, seq)), true);
         }
         assert_eq!(link.limit_n, 10.0);
         for _ in 0..50 {
-            link.admit(None, &LIMITS, true);
+            free(&mut link, None, true);
         }
         assert_eq!((link.phase, link.limit_n), (LinkPhase::Live, 10.0));
         for tick in 1..=10 {
-            link.admit(None, &LIMITS, true);
+            free(&mut link, None, true);
             assert_eq!(link.limit_n, 10.0 - f64::from(tick));
         }
         assert_eq!(link.phase, LinkPhase::Stale);
@@ -286,48 +324,48 @@ mod tests {
             let (mut all, mut dropping) = (Link::default(), Link::default());
             for seq in 1..=20 {
                 for link in [&mut all, &mut dropping] {
-                    link.admit(Some(&at(0.0, seq)), &LIMITS, true);
+                    free(link, Some(&at(0.0, seq)), true);
                 }
             }
             let mut late = 0;
             while late < 70 {
                 let dropped = random.below(12) as u32;
                 for _ in 0..=dropped {
-                    all.admit(None, &LIMITS, wanted);
+                    free(&mut all, None, wanted);
                 }
                 dropping.pass(dropped, &LIMITS, wanted);
-                dropping.admit(None, &LIMITS, wanted);
+                free(&mut dropping, None, wanted);
                 late += dropped + 1;
                 assert_eq!(dropping, all, "{late} ticks after the last pose");
             }
             assert!(dropping.limit_n == 0.0 && dropping.phase == LinkPhase::Stale);
             // What comes after a silence is a new place.
-            assert!(dropping.admit(Some(&at(1.0, 99)), &LIMITS, true).seated);
+            assert!(free(&mut dropping, Some(&at(1.0, 99)), true).seated);
         }
         let mut stalled = Link::default();
         for seq in 1..=20 {
-            stalled.admit(Some(&at(0.0, seq)), &LIMITS, true);
+            free(&mut stalled, Some(&at(0.0, seq)), true);
         }
         stalled.pass(u32::MAX, &LIMITS, true);
         assert_eq!(stalled.limit_n, 0.0);
         // A hand that went on meanwhile moves the tool on, and its force begins anew; one that is elsewhere is seated
         // there with the next pose.
         let mut elsewhere = stalled;
-        let admission = stalled.admit(Some(&at(0.3, 21)), &LIMITS, true);
+        let admission = free(&mut stalled, Some(&at(0.3, 21)), true);
         assert_eq!((admission, stalled.limit_n), (Admission::default(), 1.0));
-        assert!(elsewhere.admit(Some(&at(1.0, 21)), &LIMITS, true).refused);
-        assert!(elsewhere.admit(Some(&at(1.0, 22)), &LIMITS, true).seated);
+        assert!(free(&mut elsewhere, Some(&at(1.0, 21)), true).refused);
+        assert!(free(&mut elsewhere, Some(&at(1.0, 22)), true).seated);
     }
 
     #[test]
     fn a_jump_is_refused_until_the_force_has_faded_then_taken_as_a_new_place() {
         let mut link = Link::default();
         for seq in 1..=10 {
-            link.admit(Some(&at(0.0, seq)), &LIMITS, true);
+            free(&mut link, Some(&at(0.0, seq)), true);
         }
         let mut refusals = 0;
         for seq in 11..=40 {
-            let admission = link.admit(Some(&at(1.0, seq)), &LIMITS, true);
+            let admission = free(&mut link, Some(&at(1.0, seq)), true);
             if admission.seated {
                 break;
             }
@@ -349,13 +387,13 @@ mod tests {
             };
             for pose in [at(bad, 1), fast] {
                 let mut link = Link::default();
-                let first = link.admit(Some(&pose), &LIMITS, true);
+                let first = free(&mut link, Some(&pose), true);
                 assert_eq!((first.seated, first.refused), (false, true), "{pose:?}");
                 // The next is the first.
-                assert!(link.admit(Some(&at(0.0, 2)), &LIMITS, true).seated);
-                assert!(link.admit(Some(&pose), &LIMITS, true).refused, "{pose:?}");
+                assert!(free(&mut link, Some(&at(0.0, 2)), true).seated);
+                assert!(free(&mut link, Some(&pose), true).refused, "{pose:?}");
                 for _ in 0..100 {
-                    link.admit(Some(&pose), &LIMITS, true);
+                    free(&mut link, Some(&pose), true);
                 }
                 assert_eq!(link.pose.position, Point3::origin(), "{pose:?}");
             }
@@ -366,14 +404,48 @@ mod tests {
     fn a_pause_fades_the_force_but_believes_the_device() {
         let mut link = Link::default();
         for seq in 1..=10 {
-            link.admit(Some(&at(0.0, seq)), &LIMITS, true);
+            free(&mut link, Some(&at(0.0, seq)), true);
         }
         for seq in 11..=30 {
-            link.admit(Some(&at(0.001, seq)), &LIMITS, false);
+            free(&mut link, Some(&at(0.001, seq)), false);
         }
         assert_eq!(
             (link.phase, link.limit_n, link.pose.seq),
             (LinkPhase::Live, 0.0, 30)
         );
+    }
+
+    // A device that is switched on inside a body, or comes back there.
+    #[test]
+    fn the_force_of_a_seated_tool_is_withheld_until_it_is_released() {
+        let mut link = Link::default();
+        for again in 0..3_u64 {
+            let begun = 1_000 * again + 1;
+            assert!(link.admit(Some(&at(1.0, begun)), &LIMITS, true).seated);
+            for seq in begun + 1..begun + 40 {
+                let admission = link.admit(Some(&at(1.0, seq)), &LIMITS, true);
+                assert_eq!(admission, Admission::default());
+                assert_eq!((link.phase, link.limit_n), (LinkPhase::Withheld, 0.0));
+            }
+            assert_eq!(link.velocity(), link.pose.linear_velocity);
+            link.release(&LIMITS, true);
+            assert_eq!((link.phase, link.limit_n), (LinkPhase::Live, 1.0));
+            // Once is enough.
+            link.release(&LIMITS, true);
+            assert_eq!(link.limit_n, 1.0);
+            for _ in 0..100 {
+                link.admit(None, &LIMITS, true);
+            }
+        }
+        // Poses that stop meanwhile, or jump, seat it anew with the next.
+        for missing in [51, 1] {
+            let mut link = Link::default();
+            link.admit(Some(&at(1.0, 1)), &LIMITS, true);
+            for _ in 0..missing {
+                link.admit(Some(&at(9.0, 2)).filter(|_| missing == 1), &LIMITS, true);
+            }
+            assert!(link.admit(Some(&at(9.0, 3)), &LIMITS, true).seated);
+            assert_eq!((link.phase, link.limit_n), (LinkPhase::Withheld, 0.0));
+        }
     }
 }

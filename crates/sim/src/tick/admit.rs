@@ -1,10 +1,22 @@
 //! Takes the poses: which are believed, and how much force their tools may feel.
 
 use super::record::{TickInput, TickOutput};
-use super::{SceneState, flags};
+use super::{SceneState, Scratch, ToolState, flags, load};
 use crate::haptics::{LinkLimits, LinkPhase, Motion};
-use crate::scene::Scene;
+use crate::scene::{Scene, Tool};
 use palpate_geometry::math::turn_between;
+
+/// A contact force of which no hand takes notice, N; of a weak device this share of what it bears.
+const SMALL_N: f64 = 0.05;
+const SMALL_SHARE: f64 = 0.01;
+
+/// Bounds of a tool's link, with what its device bears.
+fn limits_of(tool: &Tool, state: &ToolState) -> LinkLimits {
+    LinkLimits {
+        force_max_n: tool.limits.force_max_n.min(state.bounds.force_max_n),
+        ..tool.limits
+    }
+}
 
 /// Takes the poses.
 pub(super) fn admit(
@@ -17,11 +29,7 @@ pub(super) fn admit(
     for (t, tool) in scene.tools.iter().enumerate() {
         let tool_state = &mut state.tools[t];
         let before = tool_state.link.pose;
-        let force_max_n = tool.limits.force_max_n.min(tool_state.bounds.force_max_n);
-        let limits = LinkLimits {
-            force_max_n,
-            ..tool.limits
-        };
+        let limits = limits_of(tool, tool_state);
         tool_state.link.pass(input.skipped, &limits, wanted);
         let admission = tool_state
             .link
@@ -31,12 +39,12 @@ pub(super) fn admit(
         if admission.seated {
             (tool_state.proxy, tool_state.orientation) =
                 (link.pose.position, link.pose.orientation);
-            tool_state.port.seat();
             for (pair, pair_state) in scene.pairs.iter().zip(&mut state.pairs) {
                 if pair.tool() == Some(t) {
                     *pair_state = Default::default();
                 }
             }
+            tool_state.port.seat();
         } else {
             out.device_moved = link.pose.position - before.position;
             out.device_turned = turn_between(&before.orientation, &link.pose.orientation);
@@ -65,5 +73,33 @@ pub(super) fn admit(
             bits |= flags::RAMPING;
         }
         out.flags = bits;
+    }
+}
+
+/// Lets tools feel forces from now on whose contacts give small ones for the first time since they were seated; the
+/// others feel none. Forces that cancel are not small: a tool in the middle of a body is not out of it.
+pub(super) fn release(
+    scene: &Scene,
+    state: &mut SceneState,
+    scratch: &Scratch,
+    wanted: bool,
+    output: &mut TickOutput,
+) {
+    for (t, tool) in scene.tools.iter().enumerate() {
+        if state.tools[t].link.phase != LinkPhase::Withheld {
+            continue;
+        }
+        let limits = limits_of(tool, &state.tools[t]);
+        let small_n = SMALL_N.min(SMALL_SHARE * limits.force_max_n);
+        let link = &mut state.tools[t].link;
+        let flags = &mut output.tools[t].flags;
+        if load::pushes_n(scratch, t) <= small_n {
+            link.release(&limits, wanted);
+            if link.limit_n != link.goal_n(&limits, wanted) {
+                *flags |= flags::RAMPING;
+            }
+        } else {
+            *flags |= flags::WITHHELD;
+        }
     }
 }

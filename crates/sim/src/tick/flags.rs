@@ -18,3 +18,5 @@ pub const FAULT: u32 = 1 << 5;
 pub const GRABBING: u32 = 1 << 6;
 /// A damper was added to keep the loop from making energy.
 pub const DAMPED: u32 = 1 << 7;
+/// No force: the tool was seated inside a body, and what its contacts would give was not small once since then.
+pub const WITHHELD: u32 = 1 << 8;

@@ -73,6 +73,17 @@ fn whole_wrench(
     (force, torque)
 }
 
+/// Sum of the sizes of the forces of the rows on a tool, N.
+pub(super) fn pushes_n(scratch: &Scratch, t: usize) -> f64 {
+    let own = scratch.rows.rows.iter().enumerate();
+    let own = own.filter(|(_, row)| row.tool() == Some(t));
+    own.map(|(i, _)| match scratch.friction.is_active() {
+        true => scratch.friction.force_n(i).norm(),
+        false => scratch.problem.forces()[i],
+    })
+    .sum()
+}
+
 /// What torque the device bears now, N m: it ramps as its force does.
 pub(super) fn torque_limit_nm(tool: &Tool, state: &ToolState) -> f64 {
     let force_max_n = tool.limits.force_max_n.min(state.bounds.force_max_n);

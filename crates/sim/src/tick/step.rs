@@ -83,6 +83,7 @@ pub fn render(
     rigid::aim(scene, state, scratch, moving);
     gather::gather(scene, state, scratch, moving);
     balance::solve(scene, state, scratch);
+    admit::release(scene, state, scratch, wanted, output);
     iterate::iterate(scene, state, scratch);
     emit::emit(scene, state, scratch, output);
     if std::mem::take(&mut state.faulted) {

@@ -187,7 +187,7 @@ id = "ball"
 shape = {{ sphere = {{ radius_m = 0.01 }} }}
 pose = {{ position = [0.06, 0.003, 0.045] }}
 coupling = {{ stiffness_n_m = inf, damping_n_s_m = 0.0 }}
-device = {{ force_max_n = 1e9, ramp_s = 0.0 }}
+device = {{ force_max_n = 1e9, ramp_s = 0.0, speed_max_m_s = 1e6 }}
 "#
     )
 }

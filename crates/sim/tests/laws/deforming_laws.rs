@@ -134,6 +134,7 @@ fn a_net_presses_as_its_full_model_wherever_the_tool_stands() {
             );
         assert!(text.contains("capsule"));
         let mut world = World::new(&text);
+        world.at([-0.015, 0.0, 0.041]);
         for k in 0..300 {
             world.at([-0.015, 0.0, 0.04 - 0.008 * (f64::from(k) / 150.0).min(1.0)]);
         }

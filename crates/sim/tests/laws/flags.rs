@@ -1,7 +1,7 @@
 //! What flags say of a tool, in each of its states: true in the tick in which it is said.
 
 use crate::common::World;
-use palpate_sim::tick::flags::{GRABBING, PAUSED, RAMPING, REFUSED, SATURATED, STALE};
+use palpate_sim::tick::flags::{GRABBING, PAUSED, RAMPING, REFUSED, SATURATED, STALE, WITHHELD};
 use palpate_sim::tick::record::{Command, ToolOutput};
 use palpate_sim::tick::{RunState, apply};
 
@@ -68,6 +68,16 @@ fn flags_are_true_in_every_state_of_a_tool_and_contacts_go_with_its_hand() {
         ),
         ("the pause", Pose(HARD), 9, PAUSED, true, false),
         (
+            "the pause ends",
+            Do(Command::Resume),
+            1,
+            RAMPING | SATURATED,
+            true,
+            true,
+        ),
+        ("all is as before", Pose(HARD), 9, SATURATED, true, true),
+        ("another pause", Do(Command::Pause), 9, PAUSED, true, false),
+        (
             "a reset in the pause",
             Do(Command::Reset),
             1,
@@ -79,19 +89,20 @@ fn flags_are_true_in_every_state_of_a_tool_and_contacts_go_with_its_hand() {
             "its hand is still there",
             Pose(HARD),
             9,
-            PAUSED,
+            PAUSED | WITHHELD,
             true,
             false,
         ),
         (
             "the pause ends",
             Do(Command::Resume),
-            1,
-            RAMPING | SATURATED,
+            9,
+            WITHHELD,
             true,
-            true,
+            false,
         ),
-        ("all is as before", Pose(HARD), 9, SATURATED, true, true),
+        ("it comes out", Pose(ABOVE), 1, RAMPING, false, false),
+        ("and in again", Pose(HARD), 9, SATURATED, true, true),
         (
             "no pose for as long as it may be",
             Silence,
@@ -112,14 +123,8 @@ fn flags_are_true_in_every_state_of_a_tool_and_contacts_go_with_its_hand() {
             false,
         ),
         ("and its end", Do(Command::Resume), 9, STALE, false, false),
-        (
-            "the hand is back",
-            Pose(LIGHT),
-            1,
-            RAMPING | SATURATED,
-            true,
-            true,
-        ),
+        ("the hand is back", Pose(LIGHT), 9, WITHHELD, true, false),
+        ("it comes out", Pose(ABOVE), 9, 0, false, false),
         ("and stays", Pose(LIGHT), 9, 0, true, true),
         ("it leaps", Pose(FAR), 1, REFUSED | RAMPING, true, true),
         (
@@ -141,7 +146,8 @@ fn flags_are_true_in_every_state_of_a_tool_and_contacts_go_with_its_hand() {
             false,
         ),
         ("nobody comes after it", Silence, 500, 0, false, false),
-        ("a hand after the reset", Pose(LIGHT), 10, 0, true, true),
+        ("a hand after the reset", Pose(ABOVE), 10, 0, false, false),
+        ("it touches", Pose(LIGHT), 1, 0, true, true),
         (
             "the loop ends",
             Do(Command::Stop),
@@ -158,7 +164,14 @@ fn flags_are_true_in_every_state_of_a_tool_and_contacts_go_with_its_hand() {
             false,
             false,
         ),
-        ("no force comes back", Pose(LIGHT), 20, PAUSED, true, false),
+        (
+            "no force comes back",
+            Pose(LIGHT),
+            20,
+            PAUSED | WITHHELD,
+            true,
+            false,
+        ),
     ];
     for (what, input, ticks, flags, touches, pushes) in steps {
         let tool = run(&mut world, &input, ticks);
@@ -176,8 +189,10 @@ fn flags_are_true_in_every_state_of_a_tool_and_contacts_go_with_its_hand() {
 #[test]
 fn a_tool_whose_hand_left_grips_nothing() {
     let mut world = World::new(SCENE);
-    for _ in 0..10 {
-        world.all(&[(LIGHT, 1)]);
+    for place in [ABOVE, LIGHT] {
+        for _ in 0..10 {
+            world.all(&[(place, 1)]);
+        }
     }
     assert_eq!(world.all(&[(LIGHT, 1)]).tools[0].flags, GRABBING);
     assert_eq!(

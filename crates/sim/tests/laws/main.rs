@@ -28,6 +28,7 @@ mod quality;
 mod refinement;
 mod resting;
 mod rigid;
+mod seated;
 mod sides;
 mod thin;
 mod vessel;
