@@ -366,7 +366,7 @@ mod tests {
         );
         assert_eq!(of("measured at 1a2b3c4d; inputs 0123456789abcdef"), "stale");
         assert_eq!(of("measured at 1a2b3c4d"), "stale");
-        assert_eq!(of(PENDING), PENDING);
+        assert_eq!(of("to be measured"), "stale");
     }
 
     #[test]
