@@ -29,8 +29,6 @@ pub struct DocumentOptions {
 
 const BEGIN: &str = "<!-- figures: ";
 const END: &str = "<!-- end of figures -->";
-/// What stands in the comment of a table that has not been measured by this program yet.
-const PENDING: &str = "to be measured";
 
 /// Lists the tables of documents, or writes them; true if none is stale.
 ///
@@ -80,7 +78,6 @@ pub fn documents(options: &DocumentOptions) -> anyhow::Result<bool> {
 enum State {
     Fresh,
     Stale,
-    Pending,
 }
 
 impl State {
@@ -88,7 +85,6 @@ impl State {
         match self {
             Self::Fresh => "as measured",
             Self::Stale => "stale",
-            Self::Pending => PENDING,
         }
     }
 }
@@ -107,10 +103,9 @@ fn state(table: &Table, text: &str, root: &Path) -> anyhow::Result<State> {
         .find(|comment| comment.name == table.name)
         .with_context(|| format!("{} has no table {:?}", table.document, table.name))?;
     let inputs = format!("inputs {}", inputs(table, root)?);
-    Ok(match comment.stamp {
-        PENDING => State::Pending,
-        stamp if stamp.split("; ").any(|part| part == inputs) => State::Fresh,
-        _ => State::Stale,
+    Ok(match comment.stamp.split("; ").any(|part| part == inputs) {
+        true => State::Fresh,
+        false => State::Stale,
     })
 }
 
@@ -371,7 +366,7 @@ mod tests {
         );
         assert_eq!(of("measured at 1a2b3c4d; inputs 0123456789abcdef"), "stale");
         assert_eq!(of("measured at 1a2b3c4d"), "stale");
-        assert_eq!(of(PENDING), PENDING);
+        assert_eq!(of("to be measured"), "stale");
     }
 
     #[test]

@@ -91,7 +91,8 @@ pub(super) fn tables() -> Vec<Table> {
         ),
         Table {
             of_simulation: true,
-            ..rows(
+            ..rows_at(
+                Effort::Quick,
                 "deformation",
                 "docs/figures.md",
                 &[Rows(
@@ -156,7 +157,8 @@ pub(super) fn tables() -> Vec<Table> {
         },
         Table {
             of_simulation: true,
-            ..rows(
+            ..rows_at(
+                Effort::Quick,
                 "engines",
                 "docs/comparison.md",
                 &[Rows(
@@ -451,7 +453,7 @@ fn figures(name: &str, document: &'static str, from: Rows, timed: bool) -> Table
         timed,
         measure: Box::new(move || {
             let asked: Vec<String> = patterns.iter().map(|(c, m)| row_of(c, m)).collect();
-            let measured = suite.run(Effort::Full, &asked);
+            let measured = suite.run(Effort::Quick, &asked);
             ensure!(measured.failed.is_empty(), "{}", measured.failed.join("\n"));
             let mut lines = vec![
                 ["quantity", "measured", "bar", "also"]
