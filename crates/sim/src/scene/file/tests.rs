@@ -20,7 +20,7 @@ fn ten_lines_make_a_scene() {
 
 #[test]
 fn every_problem_names_its_line() {
-    let cases: [(&str, &str); 21] = [
+    let cases: [(&str, &str); 22] = [
         (
             "[loop]\nrate_hz = 0\n",
             "s.toml:2:1: rate_hz is 0; it must be 1 to 10000",
