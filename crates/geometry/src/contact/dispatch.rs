@@ -352,12 +352,26 @@ impl Narrow {
         })
     }
 
-    /// Contacts of two bodies, for a pair made with [`Party::Body`].
-    pub fn body_contacts(&mut self, mine: PairSide<'_>, theirs: PairSide<'_>, reach: Reach) {
+    /// Contacts of two bodies, for a pair made with [`Party::Body`]; `known`: the side of a sheet in `reach` is. Answers
+    /// with the side on which a closed body touches an open one, +1 or −1; none where it does not, or with its rim alone.
+    pub fn body_contacts(
+        &mut self,
+        mine: PairSide<'_>,
+        theirs: PairSide<'_>,
+        reach: Reach,
+        known: bool,
+    ) -> Option<f64> {
         let Self { set, query, .. } = self;
         set.clear();
         match query {
-            Query::Bodies(solver) => solver.contacts(mine, theirs, reach, set),
+            Query::Bodies(solver) => {
+                if known {
+                    solver.contacts(mine, theirs, reach, set);
+                } else {
+                    solver.contacts_on_either_side(mine, theirs, reach, set);
+                }
+                return solver.side_in_touch();
+            }
             Query::BodiesSpheres(two) => {
                 two.body.load(mine.surface);
                 two.other.load(theirs.surface);
@@ -365,6 +379,7 @@ impl Narrow {
             }
             _ => debug_assert!(false, "this pair was not made for two bodies"),
         }
+        None
     }
 
     /// Contacts of a body with itself no deeper than `deepest_m`, for a pair made with

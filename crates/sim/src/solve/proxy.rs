@@ -134,6 +134,7 @@ impl BallContact<'_> {
                 let facing = own.normal.dot(&foot.normal) > 0.5;
                 if facing && (own.point - foot.point).norm() <= 2.0 * reach {
                     (state.foot.u, state.foot.v) = (own.u, own.v);
+                    self.sided.go_round(&own, target, state);
                     let clearance = self.sided.clearance_m(&own, target, state);
                     if clearance > self.radius_m + tolerance {
                         release(state, target, clearance);

@@ -78,6 +78,13 @@ impl Sided<'_> {
         Found::Free(foot)
     }
 
+    /// Beside the rim, the side of a point in touch is where it is: it goes round.
+    pub fn go_round(&self, foot: &ClosestPoint, point: &Point3, state: &mut ProxyState) {
+        if self.is_beside(foot, point) {
+            state.below = foot.signed_distance < 0.0;
+        }
+    }
+
     /// How far a point at a foot is from the surface on its side, m; negative: behind it. Beside the
     /// rim no point is behind.
     pub fn clearance_m(&self, foot: &ClosestPoint, point: &Point3, state: &ProxyState) -> f64 {

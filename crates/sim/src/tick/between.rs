@@ -58,7 +58,13 @@ pub(super) fn bodies(
         margin_m: margin,
         below: proxy.below,
     };
-    pairs[p].body_contacts(mine.side(), theirs.side(), reach);
+    // What is closed has the side of a sheet on which it touches, as long as it does.
+    let known = their_body.two_sided || proxy.touching && proxy.known;
+    let side = pairs[p].body_contacts(mine.side(), theirs.side(), reach, known);
+    if my_body.two_sided && !their_body.two_sided {
+        proxy.known = side.is_some();
+        proxy.below = side.is_some_and(|side| side < 0.0);
+    }
     // Nothing goes deeper in a tick than it moves: what seems to lies beside a fold, where a surface
     // that was crushed has its outside in.
     let moved_m = state.bodies[pair.body].moved_m + state.bodies[other].moved_m;

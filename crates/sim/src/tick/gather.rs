@@ -339,9 +339,15 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
     }
     // How far the farthest point of the tool goes when it turns by one rad.
     let lever = tool.shape.reach_m().unwrap_or(body.size_m);
-    if body.two_sided && !proxy.touching {
+    if body.two_sided {
         let moved_m = state.bodies[pair.body].moved_m;
-        parts.sided(body).look(&anchor.place, moved_m, proxy);
+        let mut sided = parts.sided(body);
+        if proxy.touching {
+            let foot = sided.solver.closest(sided.surface, &anchor.place);
+            sided.go_round(&foot, &anchor.place, proxy);
+        } else {
+            sided.look(&anchor.place, moved_m, proxy);
+        }
     }
     let longest = STRIDE * body.size_m;
     for stride in 0..STRIDES {

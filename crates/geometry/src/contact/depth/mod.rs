@@ -158,35 +158,14 @@ impl DepthSearch {
         let point = |x: [f64; 2]| surface.point(x[0], x[1]);
         let depth = |x: [f64; 2]| field.depth_m(&point(x));
         self.pick(margin_m, !field.edges_known(), depth, out);
-        let equal = SAME * self.size_m;
-        for k in 0..self.starts.0.len() {
-            let start = self.starts.0[k].1;
-            // A start that a level or rising way joins with a top already climbed would end there.
-            let here = depth(start);
-            let mut known = self
-                .tops
-                .iter()
-                .filter(|t| t.height_m >= here)
-                .map(|t| (t.at, here - 1e-3 * equal));
-            if known.any(|(at, level)| self.joined(start, at, level, depth)) {
-                continue;
-            }
-            let p = point(start);
-            let Some(first) = self.side_below(field, &p, 0) else {
-                self.climb_from(start, None, field, margin_m, beside, &point);
-                continue;
-            };
-            // Beside an edge the start stands for the sides that meet there.
-            let nearest_m = field.depth_below(first, &p);
-            for after in 0..MOST_SIDES {
-                let side = self.side_below(field, &p, after);
-                let meets =
-                    |side: &usize| field.depth_below(*side, &p) - nearest_m < self.spacing_m;
-                let Some(side) = side.filter(meets) else {
-                    break;
-                };
-                self.climb_from(start, Some(side), field, margin_m, beside, &point);
-            }
+        self.climb_all(true, field, margin_m, beside, &point);
+        // Through the middle of the solid: there, no side is nearest, and none of its edges is in touch.
+        let through = self.samples.iter().any(|(depth_m, _)| *depth_m > 0.0);
+        let found = !self.tops.is_empty() || beside.iter().any(|contact| contact.depth_m >= 0.0);
+        let by_sides = found || !through;
+        if !by_sides {
+            self.pick(margin_m, true, depth, out);
+            self.climb_all(false, field, margin_m, beside, &point);
         }
         // What has kinks was climbed coarsely; now that there are few, exactly.
         self.tops.sort_unstable_by(|a, b| {
@@ -199,7 +178,7 @@ impl DepthSearch {
         for k in 0..self.tops.len().min(MOST_FINISHED) {
             if !self.tops[k].settled {
                 let mut top = self.tops[k];
-                let side = self.side_below(field, &point(top.at), 0);
+                let side = (by_sides.then(|| self.side_below(field, &point(top.at), 0))).flatten();
                 self.map_at(top.at)
                     .finish(&mut top, self.size_m, |x| match side {
                         Some(side) => field.depth_below(side, &point(x)),
@@ -215,6 +194,49 @@ impl DepthSearch {
             self.keep_from(rough, top, depth, point);
         }
         self.tops.drain(..rough);
+    }
+
+    /// Climbs from the starts that were picked: each on its sides, or on the whole solid.
+    fn climb_all(
+        &mut self,
+        by_sides: bool,
+        field: &impl DepthField,
+        margin_m: f64,
+        beside: &[Contact],
+        point: &impl Fn([f64; 2]) -> Point3,
+    ) {
+        let depth = |x: [f64; 2]| field.depth_m(&point(x));
+        let level = 1e-3 * SAME * self.size_m;
+        for k in 0..self.starts.0.len() {
+            let start = self.starts.0[k].1;
+            // A start that a level or rising way joins with a top already climbed would end there.
+            let here = depth(start);
+            let mut known = self
+                .tops
+                .iter()
+                .filter(|t| t.height_m >= here)
+                .map(|t| (t.at, here - level));
+            if known.any(|(at, level)| self.joined(start, at, level, depth)) {
+                continue;
+            }
+            let p = point(start);
+            let first = (by_sides.then(|| self.side_below(field, &p, 0))).flatten();
+            let Some(first) = first else {
+                self.climb_from(start, None, field, margin_m, beside, point);
+                continue;
+            };
+            // Beside an edge the start stands for the sides that meet there.
+            let nearest_m = field.depth_below(first, &p);
+            for after in 0..MOST_SIDES {
+                let side = self.side_below(field, &p, after);
+                let meets =
+                    |side: &usize| field.depth_below(*side, &p) - nearest_m < self.spacing_m;
+                let Some(side) = side.filter(meets) else {
+                    break;
+                };
+                self.climb_from(start, Some(side), field, margin_m, beside, point);
+            }
+        }
     }
 
     /// Where a climb from a place may go: of a branching surface, over one patch.

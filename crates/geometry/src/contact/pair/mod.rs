@@ -33,7 +33,7 @@ use self::cells::Cells;
 use self::depth::Below;
 use self::facing::{Half, StationaryPair, face};
 use self::regions::{PairRegion, Regions};
-use self::tops::Upper;
+use self::tops::{Top, Upper};
 use super::{Contact, ContactSet, Reach, Rectangle, ToolPoint};
 use crate::surface::{ClosestSolver, Surface};
 
@@ -68,6 +68,8 @@ pub struct PairSolver {
     on_tool: Regions,
     touch: touch::Touch,
     facing: Vec<StationaryPair>,
+    /// The side of a sheet that the last query found in touch, +1 or −1.
+    side: Option<f64>,
 }
 
 impl PairSolver {
@@ -82,6 +84,7 @@ impl PairSolver {
             on_tool: Regions::new(&tool_cells),
             touch: touch::Touch::new(tool_solver.pieces(tool).len()),
             facing: Vec::with_capacity(MOST_FACING),
+            side: None,
             body: body_cells,
             tool: tool_cells,
         }
@@ -90,9 +93,9 @@ impl PairSolver {
     /// Every region with its deepest point, deepest first; gaps up to `reach.margin_m` as contacts
     /// of negative depth.
     ///
-    /// `tool_uv` is set. An open sheet has no inside: against what is closed, it touches on the side on which it is deepest
-    /// inside of that. Of two sheets, the body is inside where its normal points away from, or the other way round when
-    /// `reach.below`. Nets that are not finite touch nothing.
+    /// `tool_uv` is set. A body that is an open sheet is inside where its normal points away from, or the other way round
+    /// when `reach.below`; past its rim the nearest way out decides. An open tool has no inside. Nets that are not finite
+    /// touch nothing.
     pub fn contacts(
         &mut self,
         body: PairSide<'_>,
@@ -100,13 +103,52 @@ impl PairSolver {
         reach: Reach,
         out: &mut ContactSet,
     ) {
+        self.find(body, tool, reach, Some(reach.side()), out);
+    }
+
+    /// As [`Self::contacts`], of a closed tool of which nobody knows on which side of a sheet it is: it touches on the
+    /// one from which the sheet is least deep inside of it.
+    pub fn contacts_on_either_side(
+        &mut self,
+        body: PairSide<'_>,
+        tool: PairSide<'_>,
+        reach: Reach,
+        out: &mut ContactSet,
+    ) {
+        self.find(body, tool, reach, None, out);
+    }
+
+    /// The side of a sheet on which the last query found a closed tool, +1 or −1; none where it touches with its rim alone.
+    pub fn side_in_touch(&self) -> Option<f64> {
+        self.side
+    }
+
+    fn find(
+        &mut self,
+        body: PairSide<'_>,
+        tool: PairSide<'_>,
+        reach: Reach,
+        known: Option<f64>,
+        out: &mut ContactSet,
+    ) {
         out.clear();
-        self.regions(body.surface, body.solver, tool.surface, tool.solver, reach);
+        self.regions(
+            body.surface,
+            body.solver,
+            tool.surface,
+            tool.solver,
+            reach,
+            known,
+        );
         let size_m = self.body.whole.diagonal() + self.tool.whole.diagonal();
         for k in 0..self.on_body.found.len() {
             let PairRegion { top, .. } = self.on_body.found[k];
             let foot = top.sounding.foot.at;
             let depth_m = top.sounding.depth_m;
+            let sheet = (self.side.is_some()).then_some(body.surface);
+            if sheet.is_some_and(|sheet| self.is_through(sheet, &top)) {
+                continue;
+            }
             push(
                 out,
                 size_m,
@@ -159,6 +201,7 @@ impl PairSolver {
             tool.surface,
             tool.solver,
             Reach::TOUCH,
+            None,
         );
         let size_m = self.body.whole.diagonal() + self.tool.whole.diagonal();
         let mut found = self.on_body.found.iter().chain(&self.on_tool.found);
@@ -172,7 +215,9 @@ impl PairSolver {
         tool: &Surface,
         tool_solver: &mut ClosestSolver,
         reach: Reach,
+        known: Option<f64>,
     ) {
+        self.side = None;
         self.facing.clear();
         self.on_body.found.clear();
         self.on_tool.found.clear();
@@ -246,9 +291,11 @@ impl PairSolver {
             self.on_body
                 .find(&mut upper, &mut self.body, &mut below, pairs, margin_m);
         }
-        let side = match (self.body.closed, self.tool.closed) {
-            (false, true) => self.side_in_touch(body),
-            _ => Some(reach.side()),
+        let side = if self.tool.closed && !self.body.closed {
+            self.side = self.side_of(body, known);
+            self.side
+        } else {
+            Some(reach.side())
         };
         let Some(side) = side else { return };
         let mut upper = Upper {
@@ -271,14 +318,37 @@ impl PairSolver {
 }
 
 impl PairSolver {
-    /// The side of a sheet on which a closed tool touches it, +1 or −1: where the sheet is deepest inside. None where it
-    /// is not, or only with its rim.
-    fn side_in_touch(&self, sheet: &Surface) -> Option<f64> {
+    /// The side on which a closed tool touches a sheet, +1 or −1: the known one, but past the rim the one on which the sheet
+    /// is deepest inside. None where it is not, or only with its rim.
+    fn side_of(&self, sheet: &Surface, known: Option<f64>) -> Option<f64> {
         let found = self.on_body.found.iter().map(|region| &region.top);
         let top = found.max_by(|a, b| a.sounding.depth_m.total_cmp(&b.sounding.depth_m))?;
-        let cosine = -top.sounding.normal.dot(&sheet.normal(top.u, top.v));
-        (cosine.abs() > FACES).then(|| cosine.signum())
+        let cosine = cosine(sheet, top);
+        (cosine.abs() > FACES).then(|| match known {
+            Some(side) if !on_rim(sheet, top) => side,
+            _ => cosine.signum(),
+        })
     }
+
+    /// The way out of the tool leads through the sheet.
+    fn is_through(&self, sheet: &Surface, top: &Top) -> bool {
+        let side = self.side.unwrap_or(0.0);
+        side * cosine(sheet, top) < -FACES && !on_rim(sheet, top)
+    }
+}
+
+/// Of the way out of a tool, and the normal of a sheet that is inside of it.
+fn cosine(sheet: &Surface, top: &Top) -> f64 {
+    -top.sounding.normal.dot(&sheet.normal(top.u, top.v))
+}
+
+/// At an end of its parameters.
+fn on_rim(sheet: &Surface, top: &Top) -> bool {
+    let ends = [(sheet.knots_u(), top.u), (sheet.knots_v(), top.v)];
+    ends.iter().any(|(knots, t)| {
+        let (start, end) = knots.domain();
+        *t <= start || *t >= end
+    })
 }
 
 /// Coordinates are finite, and so are their squares.

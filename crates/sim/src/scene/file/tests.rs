@@ -76,8 +76,8 @@ fn every_problem_names_its_line() {
             "s.toml:4:1: a rigid body cannot come to touch itself",
         ),
         (
-            "[[body]]\nid = \"x\"\nsurface = { builtin = \"sheet\" }\nmodel = \"membrane\"\nself_contact = true\n",
-            "s.toml:5:1: a surface that is open has no inside",
+            "[[body]]\nid = \"x\"\nsurface = { builtin = \"sheet\" }\nmodel = \"membrane\"\nlattice = { thickness_m = 1e-3 }\nself_contact = true\n",
+            "s.toml:6:1: a surface that is open has no inside",
         ),
         (
             "[[contact]]\npair = [\"pen\", \"drop\"]\n",
