@@ -30,7 +30,7 @@ pub mod spheres;
 pub mod swept;
 
 pub use dispatch::Facing;
-pub use features::{Edge, Features};
+pub use features::{Curve, Edge, Features};
 pub use samples::{ContactSamples, Weights, distance_squared_to_box};
 pub use set::{Contact, ContactSet, MAX_CONTACTS, Reach, Rectangle, ToolPoint};
 pub use shape::{SurfaceShape, ToolShape};

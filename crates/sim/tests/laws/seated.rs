@@ -168,7 +168,11 @@ fn a_withheld_tool_is_not_kicked_wherever_its_hand_draws_it() {
             for place in [to, [0.1, 0.0, to[2]], [0.1, 0.0, 0.06], OUTSIDE] {
                 go(&mut world, place, |tool| {
                     // Nothing while it is withheld; then what was small.
-                    let most_n = if tool.flags & WITHHELD != 0 { 0.0 } else { 0.05 };
+                    let most_n = if tool.flags & WITHHELD != 0 {
+                        0.0
+                    } else {
+                        0.05
+                    };
                     assert!(size(tool) <= most_n, "{shape} to {to:?}: {}", tool.force_n);
                 });
             }

@@ -11,7 +11,7 @@ const SHARP: f64 = 0.999_847_695_156_391_3;
 const LEVEL: f64 = 1e-9;
 
 impl ImplicitShape {
-    /// Corners and edges; of an expression none are known.
+    /// Corners and edges; those of a function are found by [`ImplicitTool::with_edges_found`](crate::contact::implicit::ImplicitTool::with_edges_found).
     pub fn features(&self) -> Features {
         match *self {
             Self::Cylinder {

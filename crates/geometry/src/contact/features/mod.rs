@@ -17,7 +17,7 @@ mod search;
 #[cfg(test)]
 mod tests;
 
-pub use edge::Edge;
+pub use edge::{Curve, Edge};
 pub use search::FeatureSearch;
 
 use crate::math::Point3;

@@ -53,7 +53,7 @@ struct CornerGap {
 }
 
 /// A ball around points: centre and radius, m.
-fn ball_around(points: &[Point3]) -> (Point3, f64) {
+pub(super) fn ball_around(points: &[Point3]) -> (Point3, f64) {
     let (low, high) = points
         .iter()
         .fold((points[0], points[0]), |(l, h), p| (l.inf(p), h.sup(p)));
@@ -279,13 +279,14 @@ fn along(
         (pose * p, pose.rotation * way)
     };
     let length_m = edge.length_m();
-    let looks = if edge.is_round() {
-        LOOKS
-    } else {
+    let looks = if edge.is_straight() {
         ((length_m / spacing_m).ceil() as usize).clamp(1, LOOKS)
+    } else {
+        LOOKS
     };
+    let ends = edge.corners();
     // Where both ends are farther than the way between them, nothing between is near.
-    if let Edge::Segment { corners: ends, .. } = edge {
+    if let Some(ends) = ends {
         let [a, b] = ends.map(|corner| corners[corner].least_m);
         if a + b - length_m > 2.0 * reach.margin_m {
             return;
@@ -300,10 +301,10 @@ fn along(
     let mut feet = [None; LOOKS + 1];
     for k in 0..=looks {
         let (p, way) = point(at(k));
-        let foot = match edge {
-            Edge::Segment { corners: ends, .. } if k == 0 => corners[ends[0]].foot,
-            Edge::Segment { corners: ends, .. } if k == looks => corners[ends[1]].foot,
-            Edge::Circle { .. } if k == looks => feet[0].map(|(foot, _)| foot),
+        let foot = match ends {
+            Some([first, _]) if k == 0 => corners[first].foot,
+            Some([_, last]) if k == looks => corners[last].foot,
+            None if k == looks => feet[0].map(|(foot, _)| foot),
             _ => None,
         };
         let foot = foot.unwrap_or_else(|| below.closest(&p));

@@ -42,6 +42,7 @@ fn at(x: f64, y: f64, z: f64, turn: Rotation) -> Pose {
 fn lowest(features: &Features, turn: &Rotation) -> f64 {
     let corners = features.corners.iter().map(|p| (turn * p).z);
     let edges = features.edges.iter().map(|edge| match *edge {
+        Edge::Curve(_) => unreachable!("these are given by sizes"),
         Edge::Segment { ends, .. } => ends.map(|p| (turn * p).z).into_iter().fold(0.0, f64::min),
         Edge::Circle { z, radius_m } => {
             let axis = turn * Vector3::z();

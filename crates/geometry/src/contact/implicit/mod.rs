@@ -5,10 +5,14 @@
 //! tape         value, gradient, range over a box
 //! shape        quadrics, torus, box and expressions; depth of a point along the gradient
 //! side         the smooth sides of shapes that are given by sizes, to which distances are known
+//! edges        those of functions, where one operand takes over from another
 //! outline      triangles around the solid, for pictures
 //! solver       contacts with a surface: prune by ranges, sample, climb
 //! ```
 
+mod edges;
+#[cfg(test)]
+mod edges_tests;
 mod expression;
 mod interval;
 mod outline;

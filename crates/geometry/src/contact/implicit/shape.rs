@@ -201,6 +201,7 @@ impl ImplicitShape {
         Ok(ImplicitTool {
             tape: Tape::parse(&self.text()?)?,
             sides: self.sides(),
+            ties: 0,
             features: self.features(),
         })
     }
@@ -212,6 +213,9 @@ pub struct ImplicitTool {
     tape: Tape,
     /// Its smooth sides, of each of which a point is below if it is inside; none where they are not known.
     sides: Vec<Side>,
+    /// Of a function whose edges were found: which operations make them, as bits of [`Tape::choices`]. What these choose
+    /// is the number of a side.
+    ties: u64,
     features: Features,
 }
 
@@ -242,13 +246,28 @@ impl ImplicitTool {
         &self.tape
     }
 
+    /// Looks for edges of a function, within so much of the origin in x, y and z, m; those of other shapes are known.
+    pub fn with_edges_found(mut self, reach_m: f64) -> Self {
+        if self.sides.is_empty() {
+            self.find_edges(reach_m);
+        }
+        self
+    }
+
+    pub(super) fn know(&mut self, features: Features, ties: u64) {
+        (self.features, self.ties) = (features, ties);
+    }
+
     /// All its edges are known.
     pub(super) fn edges_known(&self) -> bool {
-        !self.sides.is_empty()
+        !self.sides.is_empty() || self.ties != 0
     }
 
     /// The side above which a point of the tool's frame is highest, or those after it.
     pub(super) fn side(&self, p: &Point3, after: usize) -> Option<usize> {
+        if self.ties != 0 {
+            return (after == 0).then(|| self.tape.choices(p) as usize);
+        }
         let gap = |k: usize| self.sides[k].gap(p).0;
         let is_higher = |a: usize, b: usize| gap(a) > gap(b) || (gap(a) == gap(b) && a < b);
         (0..self.sides.len()).find(|&k| {
@@ -261,15 +280,22 @@ impl ImplicitTool {
 
     /// How far a point of the tool's frame is below a side that goes on beyond its edges, m.
     pub(super) fn depth_below(&self, side: usize, p: &Point3) -> f64 {
+        if self.ties != 0 {
+            // What makes no edge goes on choosing for itself.
+            let choices = |q: &Point3| side as u64 & self.ties | self.tape.choices(q) & !self.ties;
+            let below = stand_in(|q| self.tape.gradient_with(q, choices(q)), p);
+            return below.map_or(f64::NEG_INFINITY, |stand| stand.depth_m);
+        }
         -self.sides[side].gap(p).0
     }
 
     /// The function and its gradient.
     fn gradient(&self, p: &Point3) -> (f64, Vector3) {
-        match self.side(p, 0) {
-            Some(side) => self.sides[side].gap(p),
-            None => self.tape.gradient(p),
+        if self.sides.is_empty() {
+            return self.tape.gradient(p);
         }
+        self.side(p, 0)
+            .map_or_else(|| self.tape.gradient(p), |side| self.sides[side].gap(p))
     }
 
     /// All values over the box of a sphere around a point of the tool's frame.
@@ -301,85 +327,11 @@ impl ImplicitTool {
     /// Depth of a point of the tool's frame along its gradient (along +z where that vanishes);
     /// `None` where f is not a number or the zero set is not on that line.
     pub(super) fn stand(&self, p: &Point3) -> Option<Stand> {
-        if let Some(side) = self.side(p, 0) {
+        let known = (!self.sides.is_empty()).then(|| self.side(p, 0)).flatten();
+        if let Some(side) = known {
             return self.stand_below(side, p);
         }
-        let (f, gradient) = self.tape.gradient(p);
-        let steepness = gradient.norm();
-        if !f.is_finite() || !steepness.is_finite() {
-            return None;
-        }
-        let uphill = if steepness > 0.0 {
-            gradient / steepness
-        } else {
-            Vector3::z()
-        };
-        if f == 0.0 {
-            return Some(Stand {
-                depth_m: 0.0,
-                uphill,
-            });
-        }
-        // Inside, uphill leads out.
-        let along = if f < 0.0 { uphill } else { -uphill };
-        let guess = if steepness > 0.0 {
-            f.abs() / steepness
-        } else {
-            1e-3 * p.coords.amax().max(f.abs()).min(1e3)
-        };
-        let at = |t: f64| {
-            let (g, slope) = self.tape.gradient(&(p + along * t));
-            // Made to fall towards zero from above, whichever side we are on.
-            let sign = if f < 0.0 { -1.0 } else { 1.0 };
-            (sign * g, sign * slope.dot(&along))
-        };
-        let (mut low, mut high) = (0.0, guess);
-        let mut there = at(high);
-        let mut doublings = 0;
-        while there.0 > ROUNDING * (p.coords.amax() + f.abs()) {
-            doublings += 1;
-            if doublings > DOUBLINGS {
-                return None;
-            }
-            low = high;
-            high *= 2.0;
-            there = at(high);
-        }
-        if there.0.is_nan() {
-            return None;
-        }
-        // Newton from the far end, kept between a positive and a negative value.
-        let mut t = high;
-        for _ in 0..STEPS {
-            let (g, slope) = there;
-            if g == 0.0 {
-                break;
-            }
-            if g > 0.0 {
-                low = t
-            } else {
-                high = t
-            }
-            let newton = t - g / slope;
-            let next = if newton > low && newton < high {
-                newton
-            } else {
-                0.5 * (low + high)
-            };
-            if (next - t).abs() <= 2.0 * f64::EPSILON * t.abs() || next <= low || next >= high {
-                t = next.clamp(low, high);
-                break;
-            }
-            t = next;
-            there = at(t);
-            if there.0.is_nan() {
-                return None;
-            }
-        }
-        Some(Stand {
-            depth_m: if f < 0.0 { t } else { -t },
-            uphill,
-        })
+        stand_in(|q| self.tape.gradient(q), p)
     }
 
     /// The same below the side that is nearest, to which distances are known.
@@ -405,4 +357,84 @@ impl ImplicitTool {
         (gap_m.is_finite() && steepness > 0.0)
             .then(|| (gap_m, -(pose.rotation * (gradient / steepness))))
     }
+}
+
+/// The zero set of a function, given with its gradient, along that from a point.
+fn stand_in(gradient_at: impl Fn(&Point3) -> (f64, Vector3), p: &Point3) -> Option<Stand> {
+    let (f, gradient) = gradient_at(p);
+    let steepness = gradient.norm();
+    if !f.is_finite() || !steepness.is_finite() {
+        return None;
+    }
+    let uphill = if steepness > 0.0 {
+        gradient / steepness
+    } else {
+        Vector3::z()
+    };
+    if f == 0.0 {
+        return Some(Stand {
+            depth_m: 0.0,
+            uphill,
+        });
+    }
+    // Inside, uphill leads out.
+    let along = if f < 0.0 { uphill } else { -uphill };
+    let guess = if steepness > 0.0 {
+        f.abs() / steepness
+    } else {
+        1e-3 * p.coords.amax().max(f.abs()).min(1e3)
+    };
+    let at = |t: f64| {
+        let (g, slope) = gradient_at(&(p + along * t));
+        // Made to fall towards zero from above, whichever side we are on.
+        let sign = if f < 0.0 { -1.0 } else { 1.0 };
+        (sign * g, sign * slope.dot(&along))
+    };
+    let (mut low, mut high) = (0.0, guess);
+    let mut there = at(high);
+    let mut doublings = 0;
+    while there.0 > ROUNDING * (p.coords.amax() + f.abs()) {
+        doublings += 1;
+        if doublings > DOUBLINGS {
+            return None;
+        }
+        low = high;
+        high *= 2.0;
+        there = at(high);
+    }
+    if there.0.is_nan() {
+        return None;
+    }
+    // Newton from the far end, kept between a positive and a negative value.
+    let mut t = high;
+    for _ in 0..STEPS {
+        let (g, slope) = there;
+        if g == 0.0 {
+            break;
+        }
+        if g > 0.0 {
+            low = t
+        } else {
+            high = t
+        }
+        let newton = t - g / slope;
+        let next = if newton > low && newton < high {
+            newton
+        } else {
+            0.5 * (low + high)
+        };
+        if (next - t).abs() <= 2.0 * f64::EPSILON * t.abs() || next <= low || next >= high {
+            t = next.clamp(low, high);
+            break;
+        }
+        t = next;
+        there = at(t);
+        if there.0.is_nan() {
+            return None;
+        }
+    }
+    Some(Stand {
+        depth_m: if f < 0.0 { t } else { -t },
+        uphill,
+    })
 }

@@ -93,6 +93,15 @@ fn scaled(slope: f64, d: f64) -> f64 {
     if d == 0.0 { 0.0 } else { slope * d }
 }
 
+impl Op {
+    fn chooses(&self) -> bool {
+        matches!(
+            self,
+            Self::Unary(Unary::Abs, _) | Self::Binary(Binary::Min | Binary::Max, ..)
+        )
+    }
+}
+
 impl Tape {
     /// Operations whose operands come before them; at least one.
     pub(super) fn new(ops: Vec<Op>) -> Self {
@@ -120,8 +129,59 @@ impl Tape {
 
     /// Value and gradient, by forward differentiation. At kinks, the derivative from one side.
     pub fn gradient(&self, p: &Point3) -> (f64, Vector3) {
+        let Dual { f, d } = self.differentiate(p, self.ops.len() - 1, |second| second);
+        (f, Vector3::from(d))
+    }
+
+    /// The same of an earlier operation.
+    pub(super) fn gradient_of(&self, p: &Point3, op: usize) -> (f64, Vector3) {
+        let Dual { f, d } = self.differentiate(p, op, |second| second);
+        (f, Vector3::from(d))
+    }
+
+    /// The same with the operands chosen that [`Self::choices`] names, whichever is greater.
+    pub(super) fn gradient_with(&self, p: &Point3, choices: u64) -> (f64, Vector3) {
+        let mut left = choices;
+        let Dual { f, d } = self.differentiate(p, self.ops.len() - 1, |_| {
+            let second = left & 1 == 1;
+            left >>= 1;
+            second
+        });
+        (f, Vector3::from(d))
+    }
+
+    /// How many operations choose between operands: `max`, `min` and `abs`.
+    pub(super) fn ties(&self) -> usize {
+        self.ops.iter().filter(|op| op.chooses()).count()
+    }
+
+    /// Which operand each of them takes, the first operation's as the lowest bit: 1 for the second, or for the negative.
+    pub(super) fn choices(&self, p: &Point3) -> u64 {
+        let (mut choices, mut k) = (0, 0);
+        self.differentiate(p, self.ops.len() - 1, |second| {
+            choices |= u64::from(second) << k;
+            k += 1;
+            second
+        });
+        choices
+    }
+
+    /// Operations that have a tip where they vanish.
+    pub(super) fn roots(&self) -> impl Iterator<Item = usize> + '_ {
+        let root = |op: &Op| {
+            matches!(
+                op,
+                Op::Unary(Unary::Sqrt, _) | Op::Binary(Binary::Hypot, ..)
+            )
+        };
+        (0..self.ops.len()).filter(move |&k| root(&self.ops[k]))
+    }
+
+    /// Value and derivatives of an operation; `choose` is asked at each that chooses, in their order, with what is so.
+    #[inline(always)]
+    fn differentiate(&self, p: &Point3, op: usize, mut choose: impl FnMut(bool) -> bool) -> Dual {
         let mut r = [Dual::ZERO; MAX_OPS];
-        for (k, op) in self.ops.iter().enumerate() {
+        for (k, op) in self.ops[..=op].iter().enumerate() {
             r[k] = match *op {
                 Op::Constant(f) => Dual { f, d: [0.0; 3] },
                 Op::Variable(v) => {
@@ -131,6 +191,11 @@ impl Tape {
                         f: p[v as usize],
                         d,
                     }
+                }
+                Op::Unary(Unary::Abs, a) => {
+                    let a = r[a as usize];
+                    let slope = if choose(a.f < 0.0) { -1.0 } else { 1.0 };
+                    a.chain(slope * a.f, slope)
                 }
                 Op::Unary(u, a) => {
                     let a = r[a as usize];
@@ -146,11 +211,19 @@ impl Tape {
                     };
                     a.chain(whole_power(a.f, n), slope)
                 }
+                Op::Binary(b @ (Binary::Min | Binary::Max), x, y) => {
+                    let (x, y) = (r[x as usize], r[y as usize]);
+                    let second = if b == Binary::Min {
+                        y.f < x.f
+                    } else {
+                        y.f > x.f
+                    };
+                    if choose(second) { y } else { x }
+                }
                 Op::Binary(b, x, y) => dual(b, r[x as usize], r[y as usize]),
             };
         }
-        let Dual { f, d } = r[self.ops.len() - 1];
-        (f, Vector3::from(d))
+        r[op]
     }
 
     /// Holds every value over a box. Wider than the true range where a variable occurs more than
@@ -240,20 +313,8 @@ fn dual(op: Binary, a: Dual, b: Dual) -> Dual {
         Binary::Multiply => (b.f, a.f),
         Binary::Divide => (1.0 / b.f, -f / b.f),
         Binary::Power => (b.f * libm::pow(a.f, b.f - 1.0), f * libm::log(a.f)),
-        Binary::Min => {
-            if b.f < a.f {
-                (0.0, 1.0)
-            } else {
-                (1.0, 0.0)
-            }
-        }
-        Binary::Max => {
-            if b.f > a.f {
-                (0.0, 1.0)
-            } else {
-                (1.0, 0.0)
-            }
-        }
+        // Chosen between before.
+        Binary::Min | Binary::Max => (1.0, 0.0),
         Binary::Hypot => {
             if f > 0.0 {
                 (a.f / f, b.f / f)

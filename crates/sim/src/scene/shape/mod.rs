@@ -124,8 +124,12 @@ fn solid(shape: &ImplicitShape, reach_m: Option<f64>, at: &At<'_>) -> Option<Too
     if !wrong.is_empty() {
         return None;
     }
+    let mut tool = at.take(shape.compile())?;
+    if let Some(reach_m) = reach_m {
+        tool = tool.with_edges_found(reach_m);
+    }
     Some(ToolShape::Implicit {
-        tool: Box::new(at.take(shape.compile())?),
+        tool: Box::new(tool),
         reach_m,
     })
 }
