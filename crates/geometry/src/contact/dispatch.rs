@@ -303,8 +303,15 @@ impl Narrow {
             },
             ToolShape::Surface(tool) => match query {
                 Query::Surface(found, placed) => {
+                    if let Some(search) = features {
+                        search.find(tool.features(), pose, surface, solver, &reach);
+                    }
                     placed.place(tool.surface(), pose);
-                    found.contacts(PairSide { surface, solver }, placed.side(), reach, set);
+                    let body = PairSide { surface, solver };
+                    found.contacts(body, placed.side(), reach, set);
+                    if let Some(search) = features {
+                        search.join(tool.features(), pose, surface, solver, &reach, set);
+                    }
                 }
                 Query::SurfaceSpheres(two, placed) => {
                     placed.place(tool.surface(), pose);

@@ -47,6 +47,7 @@ pub enum ToolShape {
 pub struct SurfaceShape {
     surface: Surface,
     reach_m: f64,
+    features: Features,
 }
 
 impl SurfaceShape {
@@ -59,7 +60,17 @@ impl SurfaceShape {
             .iter()
             .map(|p| p.coords.norm())
             .fold(0.0, f64::max);
-        Self { surface, reach_m }
+        let features = Features::of_surface(&surface);
+        Self {
+            surface,
+            reach_m,
+            features,
+        }
+    }
+
+    /// Its corners and edges, in the tool's frame.
+    pub fn features(&self) -> &Features {
+        &self.features
     }
 
     /// Tool frame.
@@ -95,9 +106,8 @@ impl ToolShape {
         let features = match self {
             Self::Implicit { tool, .. } => tool.features(),
             Self::Mesh(mesh) => mesh.features(),
-            Self::Point | Self::Sphere { .. } | Self::Plane { .. } | Self::Surface(_) => {
-                return None;
-            }
+            Self::Surface(shape) => shape.features(),
+            Self::Point | Self::Sphere { .. } | Self::Plane { .. } => return None,
         };
         Some(features).filter(|features| !features.is_empty())
     }

@@ -85,8 +85,10 @@ impl Curve {
         let k = ((t * spans as f64) as usize).min(spans - 1);
         let ((p, from), (q, to), length_m) = self.span(k);
         let s = t * spans as f64 - k as f64;
-        let (from, to, whole) = (from * length_m, to * length_m, q - p);
-        // Hermite's cubic.
+        // Hermite's cubic, with slopes that lead it through the middle of an arc.
+        let turn = from.cross(&to).norm();
+        let slope_m = length_m * (1.0 + turn * turn / 48.0);
+        let (from, to, whole) = (from * slope_m, to * slope_m, q - p);
         let bend = whole * 3.0 - from * 2.0 - to;
         let twist = from + to - whole * 2.0;
         let point = p + (from + (bend + twist * s) * s) * s;

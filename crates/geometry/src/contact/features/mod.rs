@@ -14,13 +14,16 @@
 mod edge;
 mod known;
 mod search;
+mod surface;
+#[cfg(test)]
+mod surface_tests;
 #[cfg(test)]
 mod tests;
 
 pub use edge::{Curve, Edge};
 pub use search::FeatureSearch;
 
-use crate::math::Point3;
+use crate::math::{Point3, Vector3};
 
 /// Corners and edges of a solid, in its own frame.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -38,6 +41,33 @@ impl Features {
         let edges = self.edges.iter().map(|edge| edge.nearest(p));
         let all = edges.chain(self.corners.iter().copied());
         all.min_by(|a, b| away(a).total_cmp(&away(b))).unwrap_or(*p)
+    }
+
+    /// The number of the corner at a point, a new one where none is as near as that.
+    pub(super) fn corner(&mut self, p: Point3, same_m: f64) -> usize {
+        let near = |q: &Point3| (q - p).norm() <= same_m;
+        self.corners.iter().position(near).unwrap_or_else(|| {
+            self.corners.push(p);
+            self.corners.len() - 1
+        })
+    }
+
+    /// An edge between two corners through places: a straight one if they are so within a length, m.
+    pub(super) fn open_edge(
+        &mut self,
+        places: Vec<(Point3, Vector3)>,
+        same_m: f64,
+        straight_m: f64,
+    ) -> Edge {
+        let (first, last) = (places[0].0, places[places.len() - 1].0);
+        let corners = [first, last].map(|p| self.corner(p, same_m));
+        let along = (last - first).normalize();
+        let aside_m = |p: &Point3| (p - first - along * along.dot(&(p - first))).norm();
+        if places.iter().all(|(p, _)| aside_m(p) <= straight_m) {
+            let ends = corners.map(|corner| self.corners[corner]);
+            return Edge::Segment { ends, corners };
+        }
+        Edge::Curve(Curve::new(places, Some(corners)))
     }
 
     /// It is smooth everywhere, or nothing is known of its edges.

@@ -255,28 +255,8 @@ impl Tracer<'_> {
         if round {
             return Edge::Curve(Curve::new(places, None));
         }
-        let (first, last) = (places[0].0, places[places.len() - 1].0);
-        let corners = [self.corner(first), self.corner(last)];
-        let along = (last - first).normalize();
-        let aside = |(p, _): &Place| (p - first - along * along.dot(&(p - first))).norm();
-        if places
-            .iter()
-            .all(|place| aside(place) <= STRAIGHT * self.size_m)
-        {
-            let ends = corners.map(|corner| self.found.corners[corner]);
-            return Edge::Segment { ends, corners };
-        }
-        Edge::Curve(Curve::new(places, Some(corners)))
-    }
-
-    /// The number of the corner at a point.
-    fn corner(&mut self, p: Point3) -> usize {
-        let same = |q: &Point3| (q - p).norm() <= SAME * self.size_m;
-        let corners = &mut self.found.corners;
-        corners.iter().position(same).unwrap_or_else(|| {
-            corners.push(p);
-            corners.len() - 1
-        })
+        let (same_m, straight_m) = (SAME * self.size_m, STRAIGHT * self.size_m);
+        self.found.open_edge(places, same_m, straight_m)
     }
 
     /// Keeps the tip of a root next to a point of the boundary, if there is one.
@@ -317,7 +297,7 @@ impl Tracer<'_> {
                 .collect();
             let is_sharp = ways.iter().any(|way| way.dot(&ways[0]) < SHARP);
             if p.coords.amax() <= 1.01 * self.size_m && is_on && is_sharp {
-                self.corner(p);
+                self.found.corner(p, SAME * self.size_m);
             }
         }
     }
