@@ -3,6 +3,9 @@
 use super::smooth::Flow;
 use palpate_proto::messages::SceneSnapshot;
 
+/// Distance from where a ball touches at which it is free, m.
+const CLEAR_M: f64 = 0.01;
+
 /// Where on a body to work: chosen from the scene, so that scripts need no numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Target {
@@ -57,11 +60,16 @@ impl Target {
         // plane.
         let mut point = from;
         point[axis] = near[axis] + outward[axis] * tool.radius;
+        // How far other shapes reach is not said; where the scene puts them they are free.
+        let clear_m = match tool.shape.as_str() {
+            "point" | "sphere" | "plane" => CLEAR_M,
+            _ => away[axis].abs().max(CLEAR_M),
+        };
         Some(Self {
             point,
             outward,
             along,
-            clear_m: 0.01,
+            clear_m,
         })
     }
 
@@ -89,5 +97,40 @@ impl Target {
     /// Height for `pressed` from 0, clear of the surface, to 1, in by `depth_m`.
     pub(super) fn height(&self, pressed: Flow, depth_m: f64) -> Flow {
         Flow::constant(self.clear_m) - pressed * (self.clear_m + depth_m)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use palpate_proto::messages::{BodySnapshot, ToolSnapshot};
+
+    fn clear_m(shape: &str, radius: f64) -> f64 {
+        let scene = SceneSnapshot {
+            bodies: vec![BodySnapshot {
+                rest_points: vec![[0.0, 0.0, 0.03]],
+                ..Default::default()
+            }],
+            tools: vec![ToolSnapshot {
+                id: "t".into(),
+                shape: shape.into(),
+                radius,
+                position: [0.0, 0.0, 0.08],
+                ..Default::default()
+            }],
+            ..Default::default()
+        };
+        let target = Target::of(&scene, "t").unwrap();
+        assert_eq!(target.point[2], 0.03 + radius);
+        target.clear_m
+    }
+
+    // A ring or a box may reach farther than a ball's 10 mm: in the scene it is free.
+    #[test]
+    fn a_tool_of_unknown_reach_starts_where_the_scene_puts_it() {
+        assert_eq!(clear_m("sphere", 0.005), CLEAR_M);
+        for shape in ["surface", "implicit", "mesh"] {
+            assert_eq!(clear_m(shape, 0.0), 0.08 - 0.03, "{shape}");
+        }
     }
 }

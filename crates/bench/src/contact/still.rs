@@ -16,6 +16,7 @@ use palpate_sim::scene::{Scene, file};
 use palpate_sim::solve::hold::{Barrier, hold};
 use palpate_sim::tick::record::{TickInput, TickOutput};
 use palpate_sim::tick::{SceneState, Scratch, step};
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::time::Instant;
 
@@ -26,6 +27,8 @@ const APPROACH_M: f64 = 2e-4;
 const PRESS_M: f64 = 1e-4;
 /// Where it begins, from the middle of the body or its surface, m.
 const AWAY_M: f64 = 0.1;
+/// Of a hand that creeps, in a tick: 20 mm/s.
+const CREEP_M: f64 = 2e-5;
 /// Ticks that it holds, and those of them that do not count.
 const HELD: usize = 300;
 const SETTLING: usize = 50;
@@ -247,6 +250,15 @@ impl Motion {
         }
     }
 
+    /// What the force of a hand that moves changes by in a tick even where nothing jumps, N: stiffness times the way.
+    fn least_step_n(self) -> f64 {
+        match self {
+            Self::Holds => 0.0,
+            Self::Creeps => STIFFNESS_N_M * CREEP_M,
+            Self::Turns => 5e-3,
+        }
+    }
+
     /// The pose after some ticks.
     fn go(self, approach: &Approach, height_m: f64, ticks: usize) -> Pose {
         let pose = approach.at(height_m);
@@ -258,7 +270,7 @@ impl Motion {
         match self {
             Self::Holds => pose,
             Self::Creeps => Pose::from_parts(
-                (pose.translation.vector + aside * (2e-5 * k)).into(),
+                (pose.translation.vector + aside * (CREEP_M * k)).into(),
                 pose.rotation,
             ),
             Self::Turns => {
@@ -271,7 +283,7 @@ impl Motion {
 
 /// What was seen of one pose.
 struct Seen {
-    /// Largest step of the force in a tick beyond 5 mN for hands that move, of the force.
+    /// Largest step of the force in a tick, of the force; beyond [`Motion::least_step_n`].
     force_step: f64,
     /// Of the torque, of force × 20 mm.
     torque_step: f64,
@@ -302,7 +314,7 @@ fn watch(target: &Target, shape: &str, approach: &Approach, motion: Motion) -> O
         height_m -= PRESS_M;
         hand.tick(&motion.go(approach, height_m, 0));
     }
-    let free_n = if motion == Motion::Holds { 0.0 } else { 5e-3 };
+    let free_n = motion.least_step_n();
     let mut last: Option<(Vector3, Vector3)> = None;
     let (mut force_step, mut torque_step, mut times_s) = (0.0_f64, 0.0_f64, Vec::new());
     let mut seen = None;
@@ -348,6 +360,8 @@ fn watch(target: &Target, shape: &str, approach: &Approach, motion: Motion) -> O
 /// The tool as points of its surface, half a millimetre apart and closer, in its frame.
 fn cloud(scene: &Scene) -> Vec<Point3> {
     const APART_M: f64 = 5e-4;
+    /// Points nearer than this are one, m.
+    const SAME_M: f64 = 5e-6;
     let outline = scene.tool_outline(0, 1.0);
     let mut points = Vec::new();
     for &[a, b, c] in &outline.triangles {
@@ -368,6 +382,16 @@ fn cloud(scene: &Scene) -> Vec<Point3> {
             }
         }
     }
+    // Nor has it edges, where it was made from a function.
+    if let Some(features) = scene.tool_shape(0).features() {
+        points.extend(&features.corners);
+        for edge in &features.edges {
+            let n = (edge.length_m() / (0.25 * APART_M)).ceil();
+            points.extend((0..n as u32).map(|k| edge.at(f64::from(k) / n).0));
+        }
+    }
+    let mut seen = BTreeSet::new();
+    points.retain(|p| seen.insert(p.coords.map(|x| (x / SAME_M).round() as i64).data.0));
     points
 }
 
@@ -380,11 +404,19 @@ fn way_out(points: &[Point3], surface: &Surface, seen: &Seen) -> Option<f64> {
     let closed = surface.topology().is_closed();
     let turned: Vec<Vector3> = points.iter().map(|p| seen.turn * p.coords).collect();
     let (mut place, mut way_m) = (seen.proxy, None);
+    // How far the tool may go until each point is near, m.
+    let mut clear_m = vec![0.0; turned.len()];
+    let mut went_m = 0.0;
     for _ in 0..ROUNDS {
         let mut barriers: Vec<Barrier> = Vec::new();
-        for offset in &turned {
+        for (offset, clear_m) in turned.iter().zip(&mut clear_m) {
+            *clear_m -= went_m;
+            if *clear_m > 0.0 {
+                continue;
+            }
             let p = place + offset;
             let foot = solver.closest(surface, &p);
+            *clear_m = foot.distance - NEAR_M;
             let beside =
                 !closed && (p - foot.point - foot.normal * foot.signed_distance).norm() > 1e-9;
             if foot.signed_distance.abs() < NEAR_M && !beside {
@@ -401,6 +433,7 @@ fn way_out(points: &[Point3], surface: &Surface, seen: &Seen) -> Option<f64> {
             return None;
         }
         let way: Vector3 = barriers.iter().map(|b| b.normal * b.part_m).sum();
+        went_m = (seen.hand + way - place).norm();
         place = seen.hand + way;
         way_m = Some(way.norm());
     }
@@ -495,11 +528,11 @@ fn row(case: &str, verdict: Verdict) -> Row {
 mod tests {
     use super::*;
 
-    fn none_is_bad(motion: Motion, poses: usize) {
+    fn none_is_bad(motion: Motion, poses: usize, bodies: &[&str]) {
         let mut found = Vec::new();
-        for target in targets() {
+        for target in targets().iter().filter(|t| bodies.contains(&t.name)) {
             for (tool, shape, flush) in &TOOLS {
-                let verdict = survey(&target, shape, flush, motion, poses);
+                let verdict = survey(target, shape, flush, motion, poses);
                 assert!(verdict.poses > 0, "{} misses {}", tool, target.name);
                 if verdict.bad > 0 {
                     let case = format!("{}/{tool}", target.name);
@@ -510,18 +543,21 @@ mod tests {
         assert!(found.is_empty(), "{found:#?}");
     }
 
+    const RIGID: [&str; 5] = ["sheet", "sphere", "saddle", "teardrop", "torus"];
+
     #[test]
     fn a_hand_that_holds_still_feels_a_force_that_does() {
-        none_is_bad(Motion::Holds, 4);
+        none_is_bad(Motion::Holds, 3, &RIGID);
     }
 
     #[test]
     fn a_hand_that_creeps_feels_no_jump() {
-        none_is_bad(Motion::Creeps, 2);
+        none_is_bad(Motion::Creeps, 2, &RIGID);
     }
 
+    // Not on a ring: its highest circle is level, and a flat that turns through flush touches it all around within a tick.
     #[test]
     fn a_hand_that_turns_through_flush_feels_no_jump() {
-        none_is_bad(Motion::Turns, 2);
+        none_is_bad(Motion::Turns, 2, &RIGID[..4]);
     }
 }
