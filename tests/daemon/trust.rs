@@ -217,9 +217,13 @@ fn a_stranger_neither_moves_a_held_tool_nor_describes_its_device_nor_locks_its_h
     let begun = Instant::now();
     let (mut moved, mut felt) = (0, 0);
     while begun.elapsed() < Duration::from_secs(2) {
-        tool.send(pose_at(PRESSED)).unwrap();
+        // From outside, as hands come.
+        let share = (begun.elapsed().as_secs_f64() / 0.3).min(1.0);
+        let place = [0, 1, 2].map(|c| AWAY[c] + share * (PRESSED[c] - AWAY[c]));
+        tool.send(pose_at(place)).unwrap();
         if begun.elapsed() > Duration::from_millis(500) {
-            other.send(pose_at(AWAY)).unwrap();
+            // Refused from when the holder is known; then it sends nothing.
+            let _ = other.send(pose_at(AWAY));
             let _ = other.announce(&device_info("stranger", 8.0));
             let last = ToolPose {
                 seq: u64::MAX,
@@ -251,7 +255,7 @@ fn a_stranger_neither_moves_a_held_tool_nor_describes_its_device_nor_locks_its_h
     assert!(count.parse::<u64>().unwrap() > 100, "{count}");
     // Once the holder is silent, another may have the tool.
     until("another holder", || {
-        other.send(pose_at(AWAY)).unwrap();
+        let _ = other.send(pose_at(AWAY));
         stranger.status().unwrap().tools[0].out_of_order == 0
             && other
                 .force()

@@ -25,9 +25,15 @@ def main():
 
         threading.Thread(target=listen, daemon=True).start()
 
+        coming = 0
+
         def step(t, force):
+            nonlocal coming
             print(size(force), size(held.force), streamed[0], flush=True)
-            return place
+            # Inside a body it would feel nothing: it comes from outside.
+            coming = min(coming + 1, 20) if size(force) > 0.0 else (coming + 1) % 120
+            above = 0.007 * (1.0 - min(1.0, coming / 20))
+            return [place[0], place[1], place[2] + above]
 
         held.run(step, rate=250.0)
 

@@ -153,13 +153,21 @@ impl Rig {
         paths.push(path(ROSBRIDGE, rosbridge_client(&mut threads, port)));
 
         let motion = files.path().join("press.toml");
-        let point =
-            |time, z| format!("[[waypoint]]\ntime_s = {time}\nposition = [0.0, 0.0, {z}]\n");
-        std::fs::write(&motion, point(0, 0.035) + &point(1, 0.0275)).unwrap();
-        let motion = motion.to_str().unwrap();
+        let point = |time: f64, z: f64| {
+            format!("[[waypoint]]\ntime_s = {time}\nposition = [0.0, 0.0, {z}]\n")
+        };
+        std::fs::write(&motion, point(0.0, 0.035) + &point(1.0, 0.0275)).unwrap();
+        // Comes out now and then: after an adapter or a client was away its tool is inside, and feels nothing until it was out.
+        let out = files.path().join("press_again.toml");
+        let cycle = |k: i32| {
+            let start = 6.0 * f64::from(k);
+            point(start, 0.035) + &point(start + 0.2, 0.0275) + &point(start + 5.8, 0.0275)
+        };
+        std::fs::write(&out, (0..50).map(cycle).collect::<String>()).unwrap();
+        let [motion, again] = [&motion, &out].map(|path| path.to_str().unwrap());
         let haply_port = free_port();
         children.push(Process::palpate(&format!(
-            "device --as haply --port {haply_port} --motion {motion} --hand firm --for 300s"
+            "device --as haply --port {haply_port} --motion {again} --hand firm --for 300s"
         )));
         let haply = haply_service(&mut threads, haply_port);
         let service = format!("ws://127.0.0.1:{haply_port}");
@@ -171,7 +179,7 @@ impl Rig {
             "device --tool device --connect {endpoint} --motion {motion} --hand firm --tremor 2e-4 --for 300s --csv {}",
             files.path().join("device.csv").display()
         ));
-        let silent = silent_client(&endpoint, motion);
+        let silent = silent_client(&endpoint, again);
         let mute = Trace::default();
         let (heard, told) = (session.forces("silent").unwrap(), mute.clone());
         threads.spawn(move || {
@@ -198,10 +206,11 @@ impl Rig {
         );
         peer.await_listener::<PoseStamped>("/arm/measured_cp");
         paths.extend([path(ROS, bare), path(GUARDED, driver.clone())]);
-        let mut sent = 0;
+        let (mut sent, mut hand, felt) = (0, Hand::default(), driver.clone());
         threads.spawn(move || {
             sent += 1;
-            peer.put("/arm/measured_cp", &pose(1_000 + sent, PRESSED));
+            let place = hand.next(felt.newest());
+            peer.put("/arm/measured_cp", &pose(1_000 + sent, place));
             std::thread::sleep(MS);
             true
         });
@@ -219,7 +228,7 @@ impl Rig {
             silent,
             device,
             skipped,
-            places: [endpoint, service, router, motion.to_owned()],
+            places: [endpoint, service, router, again.to_owned()],
             probe,
             _children: children,
             _router: routing,

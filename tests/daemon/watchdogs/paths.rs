@@ -197,6 +197,26 @@ pub fn cuttable(endpoint: &str) -> (String, Arc<AtomicBool>) {
     (here, cut)
 }
 
+/// A hand that presses. Inside a body it would feel nothing: it comes from outside, again for as long as that did not help.
+#[derive(Default)]
+pub struct Hand {
+    step: u32,
+}
+
+impl Hand {
+    const STEPS: u32 = 50;
+
+    pub fn next(&mut self, felt_n: f64) -> [f64; 3] {
+        self.step = (self.step + 1) % (6 * Self::STEPS);
+        if felt_n > 0.0 {
+            self.step = self.step.min(Self::STEPS);
+        }
+        let share = (f64::from(self.step) / f64::from(Self::STEPS)).min(1.0);
+        let [x, y, z] = PRESSED;
+        [x, y, z + 0.007 * (1.0 - share)]
+    }
+}
+
 /// A Rust client that presses, and what it would pass on.
 pub fn rust_client(threads: &mut Threads, endpoint: &str, tool: &str) -> Trace {
     let palpate = Palpate::connect(&Connect {
@@ -206,11 +226,11 @@ pub fn rust_client(threads: &mut Threads, endpoint: &str, tool: &str) -> Trace {
     .unwrap();
     let mut tool = palpate.tool(tool).unwrap();
     let trace = Trace::default();
-    let told = trace.clone();
+    let (told, mut hand) = (trace.clone(), Hand::default());
     threads.spawn(move || {
         let _session = &palpate;
-        let _ = tool.send(pose_at(PRESSED));
         let felt = tool.force().map_or(0.0, |force| norm(force.force));
+        let _ = tool.send(pose_at(hand.next(felt)));
         told.note(felt);
         std::thread::sleep(MS);
         true
@@ -334,15 +354,17 @@ pub fn rosbridge_client(threads: &mut Threads, port: u16) -> Trace {
     let _ = say(serde_json::json!({ "op": "subscribe", "topic": "/bridge/body/servo_cf" }));
     let trace = Trace::default();
     let (told, mut dog, mut newest) = (trace.clone(), Watchdog::new(false), 0.0);
-    let [x, y, z] = PRESSED;
-    let pressed = serde_json::json!({ "op": "publish", "topic": "/bridge/measured_cp", "msg": {
-        "header": { "frame_id": "world" },
-        "pose": {
-            "position": { "x": x, "y": y, "z": z }, "orientation": { "x": 0, "y": 0, "z": 0, "w": 1 },
-        },
-    }});
+    let mut hand = Hand::default();
+    let pose = |[x, y, z]: [f64; 3]| {
+        serde_json::json!({ "op": "publish", "topic": "/bridge/measured_cp", "msg": {
+            "header": { "frame_id": "world" },
+            "pose": {
+                "position": { "x": x, "y": y, "z": z }, "orientation": { "x": 0, "y": 0, "z": 0, "w": 1 },
+            },
+        }})
+    };
     threads.spawn(move || {
-        match say(pressed.clone()) {
+        match say(pose(hand.next(newest))) {
             Ok(tungstenite::Message::Text(text)) => {
                 let said: serde_json::Value = serde_json::from_str(&text).unwrap();
                 let force = &said["msg"]["wrench"]["force"];
