@@ -172,8 +172,8 @@ pub fn read(bytes: &[u8], pick: Pick) -> Result<Imported, IgesError> {
         ('v', surface.knots_v(), ranges[1]),
     ] {
         let domain = knots.domain();
-        // Written with fewer digits than the knots, often. A period may be meant from any start.
-        let slack = 1e-9 * knots.length();
+        // Written with fewer digits than the knots, often: nine leave 5e-9. A period may be meant from any start.
+        let slack = 1e-8 * knots.length();
         let whole = if knots.is_periodic() {
             end - start >= knots.length() - slack
         } else {

@@ -175,6 +175,7 @@ fn script(motion: &MotionSpec, placement: &Pose, at: &At<'_>) -> Option<Script> 
             ));
         }
     }
+    let linear = motion.interpolation == Some(InterpolationSpec::Linear);
     let mut places: Vec<Place> = Vec::with_capacity(motion.waypoints.len());
     for (k, point) in motion.waypoints.iter().enumerate() {
         let at = at.key("waypoint").entry(k);
@@ -196,7 +197,7 @@ fn script(motion: &MotionSpec, placement: &Pose, at: &At<'_>) -> Option<Script> 
             rotation: pose.rotation,
         };
         if let Some(last) = places.last() {
-            check_way(last, &place, &at);
+            check_way(last, &place, linear, &at);
         }
         places.push(place);
     }
@@ -242,13 +243,13 @@ fn script(motion: &MotionSpec, placement: &Pose, at: &At<'_>) -> Option<Script> 
     Some(Script {
         places,
         shakes: shakes.into_iter().collect::<Option<_>>()?,
-        linear: motion.interpolation == Some(InterpolationSpec::Linear),
+        linear,
         repeat: motion.repeat,
     })
 }
 
 /// The way between two way-points takes time, and no more than [`SPEED_MAX_M_S`].
-fn check_way(from: &Place, to: &Place, at: &At<'_>) {
+fn check_way(from: &Place, to: &Place, linear: bool, at: &At<'_>) {
     let start_s = from.time_s + from.hold_s;
     // Also when one of them is no number.
     let takes_s = to.time_s - start_s;
@@ -259,8 +260,9 @@ fn check_way(from: &Place, to: &Place, at: &At<'_>) {
         ));
     }
     // The smooth way is 15/8 as fast in its middle.
-    let speed = 1.875 * (to.position - from.position).norm() / takes_s;
-    let turning = 1.875 * turn_between(&from.rotation, &to.rotation).norm() / takes_s;
+    let peak = if linear { 1.0 } else { 1.875 };
+    let speed = peak * (to.position - from.position).norm() / takes_s;
+    let turning = peak * turn_between(&from.rotation, &to.rotation).norm() / takes_s;
     if speed > SPEED_MAX_M_S || turning > TURNING_MAX_RAD_S {
         at.key("time_s").refuse(format!(
             "the way there reaches {speed:.1} m/s and {turning:.1} rad/s; at most {SPEED_MAX_M_S} m/s and {TURNING_MAX_RAD_S} rad/s are moved: give it more time"

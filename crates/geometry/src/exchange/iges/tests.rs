@@ -97,6 +97,27 @@ fn the_file_runs_through_u_first() {
     assert_eq!(read.surface.weights(), None, "polynomial");
 }
 
+// Ranges with nine digits, of knots with seventeen.
+#[test]
+fn a_range_may_be_rounded_and_not_cut() {
+    let pi = std::f64::consts::PI;
+    let knots = SHEET.replace(
+        "0.,0.,1.,1.,0.,0.,1.,1.,1.",
+        &format!("0.,0.,{pi},{pi},0.,0.,1.,1.,1."),
+    );
+    let to = |end: &str| {
+        let text = knots.replace(
+            "1.,1.,7.,0.,1.,0.,1.;",
+            &format!("1.,1.,7.,0.,{end},0.,1.;"),
+        );
+        read_text(&file(GLOBAL, &[(128, 0, &text)])).map(|read| read.surface.knots_u().domain())
+    };
+    assert_eq!(to("3.14159265").unwrap(), (0.0, pi));
+    for cut in ["3.141592", "3.1415926"] {
+        assert!(matches!(to(cut), Err(IgesError::Cut { .. })), "{cut}");
+    }
+}
+
 #[test]
 fn units_scales_defaults_and_other_delimiters_are_read() {
     let side = |global: &str, sheet: &str| {

@@ -18,6 +18,30 @@ fn ten_lines_make_a_scene() {
     assert_eq!(loaded.spec.loop_.rate_hz, 1_000);
 }
 
+// A straight way has one speed; the smooth one is 15/8 as fast in its middle.
+#[test]
+fn the_fastest_way_that_is_moved_depends_on_its_interpolation() {
+    let scene = |interpolation: &str, speed: f64| {
+        let way_m = 0.1 * speed;
+        format!(
+            "[[body]]\nid = \"x\"\nsurface = {{ builtin = \"sheet\" }}\nmotion = {{ interpolation = \"{interpolation}\", waypoint = \
+             [{{ time_s = 0.0, position = [0.0, 0.0, 0.0] }}, {{ time_s = 0.1, position = [{way_m}, 0.0, 0.0] }}] }}\n"
+        )
+    };
+    for (interpolation, moved, refused) in [("linear", 9.99, 10.01), ("smooth", 5.33, 5.34)] {
+        assert_eq!(
+            problems(&scene(interpolation, moved)),
+            "",
+            "{interpolation}"
+        );
+        let problem = problems(&scene(interpolation, refused));
+        assert!(
+            problem.contains("the way there reaches 10.0 m/s"),
+            "{problem}"
+        );
+    }
+}
+
 #[test]
 fn every_problem_names_its_line() {
     let cases: [(&str, &str); 22] = [
