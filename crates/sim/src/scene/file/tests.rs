@@ -31,7 +31,7 @@ fn the_fastest_way_that_is_moved_depends_on_its_interpolation() {
     for (interpolation, moved, refused) in [("linear", 9.99, 10.01), ("smooth", 5.33, 5.34)] {
         assert_eq!(
             problems(&scene(interpolation, moved)),
-            "",
+            "no problem",
             "{interpolation}"
         );
         let problem = problems(&scene(interpolation, refused));
