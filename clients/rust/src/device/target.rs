@@ -60,16 +60,11 @@ impl Target {
         // plane.
         let mut point = from;
         point[axis] = near[axis] + outward[axis] * tool.radius;
-        // How far other shapes reach is not said; where the scene puts them they are free.
-        let clear_m = match tool.shape.as_str() {
-            "point" | "sphere" | "plane" => CLEAR_M,
-            _ => away[axis].abs().max(CLEAR_M),
-        };
         Some(Self {
             point,
             outward,
             along,
-            clear_m,
+            clear_m: clear_m(&tool.shape, away[axis].abs()),
         })
     }
 
@@ -100,37 +95,28 @@ impl Target {
     }
 }
 
+/// Height over the body's nearest point at which a tool is free that the scene puts at another, m. How far shapes other
+/// than balls reach is not said; where the scene puts them they are free.
+fn clear_m(shape: &str, away_m: f64) -> f64 {
+    match shape {
+        "point" | "sphere" | "plane" => CLEAR_M,
+        _ => away_m.max(CLEAR_M),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use palpate_proto::messages::{BodySnapshot, ToolSnapshot};
 
-    fn clear_m(shape: &str, radius: f64) -> f64 {
-        let scene = SceneSnapshot {
-            bodies: vec![BodySnapshot {
-                rest_points: vec![[0.0, 0.0, 0.03]],
-                ..Default::default()
-            }],
-            tools: vec![ToolSnapshot {
-                id: "t".into(),
-                shape: shape.into(),
-                radius,
-                position: [0.0, 0.0, 0.08],
-                ..Default::default()
-            }],
-            ..Default::default()
-        };
-        let target = Target::of(&scene, "t").unwrap();
-        assert_eq!(target.point[2], 0.03 + radius);
-        target.clear_m
-    }
-
-    // A ring or a box may reach farther than a ball's 10 mm: in the scene it is free.
+    // A ring or a box may reach farther than a ball's 10 mm.
     #[test]
     fn a_tool_of_unknown_reach_starts_where_the_scene_puts_it() {
-        assert_eq!(clear_m("sphere", 0.005), CLEAR_M);
+        for shape in ["point", "sphere", "plane"] {
+            assert_eq!(clear_m(shape, 0.05), CLEAR_M, "{shape}");
+        }
         for shape in ["surface", "implicit", "mesh"] {
-            assert_eq!(clear_m(shape, 0.0), 0.08 - 0.03, "{shape}");
+            assert_eq!(clear_m(shape, 0.05), 0.05, "{shape}");
+            assert_eq!(clear_m(shape, 0.001), CLEAR_M, "{shape}");
         }
     }
 }

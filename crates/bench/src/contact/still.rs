@@ -142,7 +142,7 @@ impl Approach {
     fn of(random: &mut Random, target: &Target, flush: &[[f64; 3]; 2], k: usize) -> Self {
         let mut normal = || (0..12).map(|_| random.unit()).sum::<f64>() - 6.0;
         let mut from = Vector3::new(normal(), normal(), normal());
-        let turn = if k % 2 == 0 {
+        let turn = if k.is_multiple_of(2) {
             rotation_by(&(Vector3::new(normal(), normal(), normal())))
         } else {
             let angle = std::f64::consts::TAU * random.unit();
