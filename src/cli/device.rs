@@ -189,6 +189,9 @@ fn announce(palpate: &Palpate, tool: &mut Tool, id: &str, info: &DeviceInfo) -> 
             begun.elapsed() < Duration::from_secs(5),
             "the daemon did not accept the device's description"
         );
+        if begun.elapsed() > Duration::from_millis(500) {
+            palpate.check_holder(tool)?;
+        }
         std::thread::sleep(Duration::from_millis(5));
     }
     Ok(())

@@ -495,6 +495,11 @@ impl Tool {
         while self.lockstep
             && py.detach(|| self.palpate().device(&self.id).ok()).as_ref() != Some(info)
         {
+            if begun.elapsed() > Duration::from_millis(500) {
+                let palpate = self.palpate();
+                self.with(py, |tool| palpate.check_holder(tool))?
+                    .map_err(client_error)?;
+            }
             if begun.elapsed() > Duration::from_secs(5) {
                 return Err(raised(
                     "NoAnswerError",

@@ -266,6 +266,23 @@ impl Palpate {
         Ok(holder.map(|client| name.unwrap_or(client).to_owned()))
     }
 
+    /// Whether somebody else moves a tool that this client has taken.
+    ///
+    /// # Errors
+    /// [`ClientError::Held`]; no answer.
+    pub fn check_holder(&self, tool: &Tool) -> Result<(), ClientError> {
+        let info: serde_json::Value =
+            serde_json::from_str(&self.info()?).map_err(ClientError::zenoh)?;
+        let own = short_id(&tool.holder);
+        let other = info["devices"][&tool.id]["holder"].as_str();
+        if other.is_none_or(|client| client == own) {
+            return Ok(());
+        }
+        let holder = self.holder(&tool.id)?.unwrap_or_default();
+        let tool = tool.id.clone();
+        Err(ClientError::Held { tool, holder })
+    }
+
     /// Forces of a tool, for those who watch and do not hold it.
     ///
     /// # Errors

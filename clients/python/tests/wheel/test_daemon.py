@@ -125,9 +125,12 @@ def pressing(probe: Any) -> "tuple[float, float, float]":
     """Presses a probe in real time until it is felt; returns the place."""
     place = (0.0, 0.0, 0.028)
     deadline = time.monotonic() + 30.0
+    coming = 0
     while probe.force is None or probe.force.force[2] < 0.5:
         assert time.monotonic() < deadline
-        probe.send(place)
+        # From outside, again and again: inside it would feel nothing.
+        coming = (coming + 1) % 500
+        probe.send((0.0, 0.0, 0.028 + 0.007 * (1.0 - min(1.0, coming / 50))))
         time.sleep(1e-3)
     return place
 
