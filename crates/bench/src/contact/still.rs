@@ -547,7 +547,7 @@ mod tests {
 
     #[test]
     fn a_hand_that_holds_still_feels_a_force_that_does() {
-        none_is_bad(Motion::Holds, 3, &RIGID);
+        none_is_bad(Motion::Holds, 2, &RIGID);
     }
 
     #[test]
