@@ -72,7 +72,7 @@ record two-drops-press scenes/two-drops.toml 1500ms ball:press:0.03:ideal:3
 record teardrop-tap scenes/teardrop.toml 700ms ball:tap:0.006:touch:4
 record sheet-tap scenes/sheet.toml 1200ms pen:tap:0.005:ideal:5
 record vessel-tap scenes/vessel.toml 1200ms pen:tap:0.004:ideal:10
-record four-hands scenes/four-hands.toml 1500ms tip:tap:0.004:touch:6 ring:press:0.004:ideal:7 ball:tap:0.005:ideal:8 plate:tap:0.004:ideal:9
+record four-hands scenes/four-hands.toml 1050ms tip:tap:0.004:touch:6 ring:press:0.004:ideal:7 ball:tap:0.005:ideal:8 plate:tap:0.004:ideal:9
 
 scenario spoon-grip spoon-grip "four grips" 700ms
 scenario jelly-shake jelly-shake "8 degrees, shaken along" 1200ms
