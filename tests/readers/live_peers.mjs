@@ -64,8 +64,11 @@ async function roslib() {
   });
   const orientation = { x: 0, y: 0, z: 0, w: 1 };
   const begun = Date.now();
+  // From outside, again for as long as nothing is felt: inside the body it would feel nothing.
+  let coming = 0;
   while (peak < 0.5 || Date.now() - begun < 500) {
-    const position = { x: 0.0255, y: 0.003, z: 0.045 };
+    coming = peak > 0 ? Math.min(coming + 1, 20) : (coming + 1) % 250;
+    const position = { x: 0.0255 + 0.0105 * (1 - Math.min(1, coming / 20)), y: 0.003, z: 0.045 };
     poses.publish({ header: { frame_id: "world" }, pose: { position, orientation } });
     await new Promise((resolve) => setTimeout(resolve, 2));
   }

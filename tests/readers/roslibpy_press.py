@@ -23,9 +23,13 @@ def main(url):
         "orientation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0},
     }
     begun = time.monotonic()
+    # From outside, again for as long as nothing is felt: inside the body it would feel nothing.
+    coming = 0
     while max(heard, default=0.0) < 0.5 or time.monotonic() - begun < 1.0:
         if time.monotonic() - begun > 60.0:
             sys.exit("no force in a minute")
+        coming = min(coming + 1, 20) if max(heard, default=0.0) > 0.0 else (coming + 1) % 250
+        pose["position"]["x"] = 0.0255 + 0.0105 * (1.0 - min(1.0, coming / 20))
         poses.publish({"header": {"frame_id": "world"}, "pose": pose})
         time.sleep(0.002)
     pause = roslibpy.Service(ros, "/palpate/pause", "std_srvs/Trigger")
