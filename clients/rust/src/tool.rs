@@ -256,6 +256,11 @@ impl Palpate {
 
     /// Who moves a tool: the name of its device, or what the daemon calls the client.
     fn holder(&self, tool: &str) -> Result<Option<String>, ClientError> {
+        Ok(self.holder_and_name(tool)?.map(|(_, name)| name))
+    }
+
+    /// What the daemon calls the client that moves a tool, and the name of its device.
+    fn holder_and_name(&self, tool: &str) -> Result<Option<(String, String)>, ClientError> {
         let info: serde_json::Value =
             serde_json::from_str(&self.info()?).map_err(ClientError::zenoh)?;
         let told = &info["devices"][tool];
@@ -263,24 +268,22 @@ impl Palpate {
             .as_str()
             .filter(|name| !name.is_empty());
         let holder = told["holder"].as_str();
-        Ok(holder.map(|client| name.unwrap_or(client).to_owned()))
+        Ok(holder.map(|client| (client.to_owned(), name.unwrap_or(client).to_owned())))
     }
 
-    /// Whether somebody else moves a tool that this client has taken.
+    /// Checks that no other client moves a tool that this one has taken.
     ///
     /// # Errors
-    /// [`ClientError::Held`]; no answer.
+    /// [`ClientError::Held`] if another does; or the daemon does not answer.
     pub fn check_holder(&self, tool: &Tool) -> Result<(), ClientError> {
-        let info: serde_json::Value =
-            serde_json::from_str(&self.info()?).map_err(ClientError::zenoh)?;
         let own = short_id(&tool.holder);
-        let other = info["devices"][&tool.id]["holder"].as_str();
-        if other.is_none_or(|client| client == own) {
-            return Ok(());
+        match self.holder_and_name(&tool.id)? {
+            Some((client, holder)) if client != own => {
+                let tool = tool.id.clone();
+                Err(ClientError::Held { tool, holder })
+            }
+            _ => Ok(()),
         }
-        let holder = self.holder(&tool.id)?.unwrap_or_default();
-        let tool = tool.id.clone();
-        Err(ClientError::Held { tool, holder })
     }
 
     /// Forces of a tool, for those who watch and do not hold it.

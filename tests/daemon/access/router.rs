@@ -24,8 +24,8 @@ fn applied(csv: &str) -> Vec<(f64, f64)> {
     lines.map(period).collect()
 }
 
-/// Goes to the drop within half a second, and stays pressed against it.
-/// Held for a while, and again when it came out in between: a hand that was inside when news came back feels nothing.
+/// Goes to the drop within half a second, stays pressed against it for 7.5 s, comes out and presses again: a hand that
+/// is inside when a lost connection comes back feels nothing until it has been out.
 const STAYS: &str = "[[waypoint]]\ntime_s = 0\nposition = [0.06, 0.003, 0.045]\n\
                      [[waypoint]]\ntime_s = 0.5\nposition = [0.022, 0.003, 0.045]\n\
                      [[waypoint]]\ntime_s = 8.0\nposition = [0.022, 0.003, 0.045]\n\

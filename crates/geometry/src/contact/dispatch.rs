@@ -236,6 +236,11 @@ impl Narrow {
         set.clear();
         let PairSide { surface, solver } = body;
         let place = Point3::from(pose.translation.vector);
+        let mut edges = features.as_mut().zip(shape.features());
+        if let Some((search, known)) = &mut edges {
+            search.find(known, pose, surface, solver, &reach);
+        }
+        let beside = (edges.as_ref()).map_or(&[][..], |(search, _)| search.found());
         match shape {
             ToolShape::Point | ToolShape::Sphere { .. } => {
                 let radius_m = shape.ball_radius_m().unwrap_or(0.0);
@@ -269,14 +274,7 @@ impl Narrow {
             }
             ToolShape::Implicit { tool, .. } => match query {
                 Query::Implicit(found) => {
-                    if let Some(search) = features {
-                        search.find(tool.features(), pose, surface, solver, &reach);
-                    }
-                    let beside = features.as_ref().map_or(&[][..], |search| search.found());
                     found.contacts(surface, solver, tool, pose, &reach, beside, set);
-                    if let Some(search) = features {
-                        search.join(tool.features(), pose, surface, solver, &reach, set);
-                    }
                 }
                 Query::Spheres(spheres) => {
                     spheres.load(surface);
@@ -286,14 +284,7 @@ impl Narrow {
             },
             ToolShape::Mesh(tool) => match query {
                 Query::Mesh(found) => {
-                    if let Some(search) = features {
-                        search.find(tool.features(), pose, surface, solver, &reach);
-                    }
-                    let beside = features.as_ref().map_or(&[][..], |search| search.found());
                     found.contacts(surface, solver, tool, pose, &reach, beside, set);
-                    if let Some(search) = features {
-                        search.join(tool.features(), pose, surface, solver, &reach, set);
-                    }
                 }
                 Query::Spheres(spheres) => {
                     spheres.load(surface);
@@ -303,15 +294,12 @@ impl Narrow {
             },
             ToolShape::Surface(tool) => match query {
                 Query::Surface(found, placed) => {
-                    if let Some(search) = features {
-                        search.find(tool.features(), pose, surface, solver, &reach);
-                    }
                     placed.place(tool.surface(), pose);
-                    let body = PairSide { surface, solver };
+                    let body = PairSide {
+                        surface,
+                        solver: &mut *solver,
+                    };
                     found.contacts(body, placed.side(), reach, set);
-                    if let Some(search) = features {
-                        search.join(tool.features(), pose, surface, solver, &reach, set);
-                    }
                 }
                 Query::SurfaceSpheres(two, placed) => {
                     placed.place(tool.surface(), pose);
@@ -321,6 +309,9 @@ impl Narrow {
                 }
                 _ => made_for_another(shape),
             },
+        }
+        if let Some((search, known)) = edges {
+            search.join(known, pose, surface, solver, &reach, set);
         }
     }
 
@@ -359,8 +350,9 @@ impl Narrow {
         })
     }
 
-    /// Contacts of two bodies, for a pair made with [`Party::Body`]; `known`: the side of a sheet in `reach` is. Answers
-    /// with the side on which a closed body touches an open one, +1 or −1; none where it does not, or with its rim alone.
+    /// Contacts of two bodies, for a pair made with [`Party::Body`]; `known`: `reach.below` says on
+    /// which side of a sheet the other body is. Returns the side of an open body on which a closed one touches it, +1 or
+    /// −1; `None` where they do not touch, or only at the rim.
     pub fn body_contacts(
         &mut self,
         mine: PairSide<'_>,

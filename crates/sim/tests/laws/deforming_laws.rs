@@ -163,8 +163,10 @@ fn a_net_presses_as_its_full_model_wherever_the_tool_stands() {
         let (places, forces) = slide(y, "net", coarse);
         even_trend(&places, &forces).1
     };
-    let beside = [1e-3, 2e-3, -1e-3].map(rattle);
-    let ripple = (net.1 + beside.iter().sum::<f64>()) / 4.0;
+    let mut ripples = [0.0, 1e-6, 1e-5, 1e-4, 1e-3, 2e-3, -1e-3].map(rattle);
+    ripples.sort_by(f64::total_cmp);
+    // Of one line alone it would be the chance of which rows its ticks begin with.
+    let ripple = ripples[ripples.len() / 2];
     let trend = |x: f64| {
         let t = x / 0.0125;
         whole.0[0] + whole.0[1] * t * t + whole.0[2] * t.powi(4)
@@ -183,7 +185,7 @@ fn a_net_presses_as_its_full_model_wherever_the_tool_stands() {
         miss < 0.05,
         "the net is off by {miss}: {net:?}, full {whole:?}"
     );
-    assert!(ripple < 0.022, "the net ripples by {ripple}");
+    assert!(ripple < 0.02, "the net ripples by {ripple}");
 }
 
 /// Forces while the ball comes down at 60 mm/s.

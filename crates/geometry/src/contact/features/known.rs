@@ -1,12 +1,10 @@
 //! The features of shapes that are given by sizes or triangles.
 
-use super::{Edge, Features};
+use super::{Edge, Features, SHARP};
 use crate::contact::implicit::ImplicitShape;
 use crate::contact::mesh::MeshTool;
 use crate::math::{Point3, Vector3};
 
-/// Sides of a mesh that meet at less than this angle are one smooth side: the cosine of 1°.
-const SHARP: f64 = 0.999_847_695_156_391_3;
 /// The sine of an angle that is none.
 const LEVEL: f64 = 1e-9;
 

@@ -25,6 +25,13 @@ pub use search::FeatureSearch;
 
 use crate::math::{Point3, Vector3};
 
+/// Sides that meet at less than this angle are one smooth side: the cosine of 1°.
+pub(in crate::contact) const SHARP: f64 = 0.999_847_695_156_391_3;
+/// Corners nearer than this, of the size, are one.
+const SAME: f64 = 1e-7;
+/// An edge is straight within this, of the size.
+const STRAIGHT: f64 = 1e-10;
+
 /// Corners and edges of a solid, in its own frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Features {
@@ -43,27 +50,22 @@ impl Features {
         all.min_by(|a, b| away(a).total_cmp(&away(b))).unwrap_or(*p)
     }
 
-    /// The number of the corner at a point, a new one where none is as near as that.
-    pub(super) fn corner(&mut self, p: Point3, same_m: f64) -> usize {
-        let near = |q: &Point3| (q - p).norm() <= same_m;
+    /// The number of the corner at a point of a solid of this size, m; a new one where there is none yet.
+    pub(super) fn corner(&mut self, p: Point3, size_m: f64) -> usize {
+        let near = |q: &Point3| (q - p).norm() <= SAME * size_m;
         self.corners.iter().position(near).unwrap_or_else(|| {
             self.corners.push(p);
             self.corners.len() - 1
         })
     }
 
-    /// An edge between two corners through places: a straight one if they are so within a length, m.
-    pub(super) fn open_edge(
-        &mut self,
-        places: Vec<(Point3, Vector3)>,
-        same_m: f64,
-        straight_m: f64,
-    ) -> Edge {
+    /// An edge between two corners through places; a straight one where they lie on a line.
+    pub(super) fn open_edge(&mut self, places: Vec<(Point3, Vector3)>, size_m: f64) -> Edge {
         let (first, last) = (places[0].0, places[places.len() - 1].0);
-        let corners = [first, last].map(|p| self.corner(p, same_m));
+        let corners = [first, last].map(|p| self.corner(p, size_m));
         let along = (last - first).normalize();
         let aside_m = |p: &Point3| (p - first - along * along.dot(&(p - first))).norm();
-        if places.iter().all(|(p, _)| aside_m(p) <= straight_m) {
+        if places.iter().all(|(p, _)| aside_m(p) <= STRAIGHT * size_m) {
             let ends = corners.map(|corner| self.corners[corner]);
             return Edge::Segment { ends, corners };
         }

@@ -1,17 +1,12 @@
 //! Edges of surfaces: creases, seams and rims, and poles that are tips.
 
-use super::{Curve, Edge, Features};
+use super::{Curve, Edge, Features, SHARP};
 use crate::basis::{KnotVector, Side};
 use crate::math::{Point3, Vector3};
 use crate::surface::{Closing, Frame, Surface, Topology};
 
 /// Points of an edge in each span it runs through: what a cubic between two leaves over is below 1e-9 of the size.
 const POINTS: usize = 48;
-/// Sides that meet at less than this angle are one smooth side: the cosine of 1°.
-const SHARP: f64 = 0.999_847_695_156_391_3;
-/// Corners nearer than this, of the size, are one; an edge is straight within the other.
-const SAME: f64 = 1e-7;
-const STRAIGHT: f64 = 1e-10;
 /// Normals around a pole are looked at so far from it, of the domain, at so many places.
 const BESIDE: f64 = 1e-6;
 const AROUND: usize = 16;
@@ -108,7 +103,7 @@ impl Found<'_> {
         if rim {
             return (place, true);
         }
-        // At a pole there is no normal; beside it there is.
+        // The normal is undefined at a pole, so it is taken just beside it.
         let share = share.clamp(BESIDE, 1.0 - BESIDE);
         let normal = |frame: &Frame| {
             let normal = frame.du.cross(&frame.dv).normalize();
@@ -177,9 +172,7 @@ impl Found<'_> {
                     .push(Edge::Curve(Curve::new(places, None)));
                 continue;
             }
-            let edge = self
-                .features
-                .open_edge(places, SAME * self.size_m, STRAIGHT * self.size_m);
+            let edge = self.features.open_edge(places, self.size_m);
             self.features.edges.push(edge);
         }
     }
@@ -202,7 +195,7 @@ impl Found<'_> {
         if (1..AROUND).any(|k| normal(k).dot(&first) < SHARP) {
             let [u, v] = at(pole, 0);
             let p = self.surface.point(u, v);
-            self.features.corner(p, SAME * self.size_m);
+            self.features.corner(p, self.size_m);
         }
     }
 }

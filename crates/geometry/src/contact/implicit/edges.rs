@@ -6,6 +6,7 @@
 //! these vanish on the boundary.
 
 use super::shape::ImplicitTool;
+use crate::contact::features::SHARP;
 use crate::contact::{Curve, Edge, Features};
 use crate::math::{Point3, Vector3};
 use nalgebra::{Matrix2x3, Vector2};
@@ -20,17 +21,12 @@ const MOST_POINTS: usize = 20_000;
 /// Steps of Newton's method, and halvings in search of a corner.
 const NEWTON: usize = 30;
 const HALVINGS: usize = 60;
-/// A place is on the boundary, and a curve is straight, within this of the size.
+/// A place is on the boundary within this of the size.
 const ON: f64 = 1e-12;
-const STRAIGHT: f64 = 1e-10;
 /// In a step an edge bends aside by less than this share of it.
 const BENT: f64 = 0.05;
-/// Corners nearer than this, of the size, are one.
-const SAME: f64 = 1e-7;
 /// How far beside an edge its sides are looked at, of the size.
 const BESIDE: f64 = 1e-6;
-/// Sides that meet at less than this angle are one smooth side: the cosine of 1°.
-const SHARP: f64 = 0.999_847_695_156_391_3;
 
 impl ImplicitTool {
     /// Looks for the edges and tips of a function within a cube of so much in each direction, m. Where it has none, or
@@ -48,6 +44,7 @@ impl ImplicitTool {
         let mut tracer = Tracer {
             tool: self,
             size_m,
+            reach_m,
             found: Features::default(),
             seen: Vec::new(),
             ties: 0,
@@ -86,6 +83,8 @@ impl ImplicitTool {
 struct Tracer<'a> {
     tool: &'a ImplicitTool,
     size_m: f64,
+    /// An edge that goes on beyond this ends here, m from the origin in x, y or z.
+    reach_m: f64,
     found: Features,
     /// Places of edges that were traced.
     seen: Vec<Place>,
@@ -228,6 +227,9 @@ impl Tracer<'_> {
                 break;
             }
         }
+        if p.coords.amax() > self.reach_m {
+            return None;
+        }
         let [(f, df), (g, dg)] = at(&p);
         let on_m = ON * self.size_m;
         if f.abs() > on_m * df.norm() || g.abs() > on_m * dg.norm() {
@@ -255,8 +257,7 @@ impl Tracer<'_> {
         if round {
             return Edge::Curve(Curve::new(places, None));
         }
-        let (same_m, straight_m) = (SAME * self.size_m, STRAIGHT * self.size_m);
-        self.found.open_edge(places, same_m, straight_m)
+        self.found.open_edge(places, self.size_m)
     }
 
     /// Keeps the tip of a root next to a point of the boundary, if there is one.
@@ -297,7 +298,7 @@ impl Tracer<'_> {
                 .collect();
             let is_sharp = ways.iter().any(|way| way.dot(&ways[0]) < SHARP);
             if p.coords.amax() <= 1.01 * self.size_m && is_on && is_sharp {
-                self.found.corner(p, SAME * self.size_m);
+                self.found.corner(p, self.size_m);
             }
         }
     }

@@ -123,6 +123,18 @@ fn what_is_smooth_or_runs_inwards_has_no_edges() {
     }
 }
 
+// A bar of four sides without end, and a wedge: their edges go on for ever, and are followed as far as the tool reaches.
+#[test]
+fn edges_without_end_end_at_the_reach() {
+    for (f, count) in [("max(abs(x) - 0.01, abs(y) - 0.01)", 4), ("abs(x) + z", 1)] {
+        let features = found(f).features().clone();
+        assert_eq!(features.edges.len(), count, "{f}: {features:?}");
+        for edge in &features.edges {
+            assert!((edge.length_m() - 0.1).abs() < 1e-9, "{f}: {edge:?}");
+        }
+    }
+}
+
 #[test]
 fn a_side_goes_on_beyond_its_edge() {
     let tool = found("max(abs(x) - 0.011, abs(y) - 0.008, abs(z) - 0.006)");

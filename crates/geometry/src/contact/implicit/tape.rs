@@ -133,13 +133,13 @@ impl Tape {
         (f, Vector3::from(d))
     }
 
-    /// The same of an earlier operation.
+    /// Value and gradient of an earlier operation.
     pub(super) fn gradient_of(&self, p: &Point3, op: usize) -> (f64, Vector3) {
         let Dual { f, d } = self.differentiate(p, op, |second| second);
         (f, Vector3::from(d))
     }
 
-    /// The same with the operands chosen that [`Self::choices`] names, whichever is greater.
+    /// Value and gradient with `max`, `min` and `abs` held to the operands that `choices` names, as [`Self::choices`] does.
     pub(super) fn gradient_with(&self, p: &Point3, choices: u64) -> (f64, Vector3) {
         let mut left = choices;
         let Dual { f, d } = self.differentiate(p, self.ops.len() - 1, |_| {

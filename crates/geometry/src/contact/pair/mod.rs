@@ -106,8 +106,8 @@ impl PairSolver {
         self.find(body, tool, reach, Some(reach.side()), out);
     }
 
-    /// As [`Self::contacts`], of a closed tool of which nobody knows on which side of a sheet it is: it touches on the
-    /// one from which the sheet is least deep inside of it.
+    /// As [`Self::contacts`], where it is not known on which side of a sheet a closed tool is: it touches the side from
+    /// which the shortest way out of the tool leads.
     pub fn contacts_on_either_side(
         &mut self,
         body: PairSide<'_>,
