@@ -6,7 +6,7 @@ use super::format::WriteError;
 use super::head::Head;
 use super::memory::Memory;
 use super::message::{Mark, Message};
-use super::parts::{Parts, Split};
+use super::parts::{MOST_WAITING, Parts, Split};
 use super::recorder::{check_name, place};
 use super::report::RecordingReport;
 use super::stream::TickStream;
@@ -410,6 +410,7 @@ impl Keeper {
             since,
         });
         self.closing.extend(ended);
+        recording.parts.waiting = self.closing.len();
         self.deleted.extend(recording.parts.deleted.drain(..));
     }
 
@@ -449,9 +450,9 @@ impl Keeper {
                 }
             }
         }
-        let crowded = self.is_crowded();
+        let waiting = self.closing.len();
         if let Some(OpenRecording { parts, .. }) = &mut self.recording {
-            parts.crowded = crowded;
+            parts.waiting = waiting;
             if any {
                 parts.make_room();
                 self.deleted.extend(parts.deleted.drain(..));
@@ -465,7 +466,7 @@ impl Keeper {
     }
 
     fn is_crowded(&self) -> bool {
-        self.closing.len() >= MAX_SNAPSHOTS
+        self.closing.len() >= MOST_WAITING
     }
 
     /// The disk has a file, or has refused it.

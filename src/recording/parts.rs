@@ -31,6 +31,8 @@ const PARTS_OF_A_TOTAL: u64 = 3;
 const LEAST_TICKS: u64 = 100;
 /// Of a total without a size or a duration of parts, a part is this share before compression.
 const PARTS_UNTOLD: u64 = 8;
+/// Files that may wait for the disk before no further one is begun.
+pub(super) const MOST_WAITING: usize = 8;
 
 impl Split {
     fn splits(&self) -> bool {
@@ -101,8 +103,8 @@ pub(super) struct Parts {
     pub closing: Vec<ClosingFile>,
     /// Parts that were deleted, until somebody takes note.
     pub deleted: Vec<PathBuf>,
-    /// Too many files wait for the disk: this part goes on until there are fewer.
-    pub crowded: bool,
+    /// Files that wait for the disk beside `closing`.
+    pub waiting: usize,
     /// A keyframe was asked for, to end this part.
     asked: bool,
 }
@@ -149,7 +151,7 @@ impl Parts {
             held: Vec::new(),
             closing: Vec::new(),
             deleted: Vec::new(),
-            crowded: false,
+            waiting: 0,
             asked: false,
         })
     }
@@ -167,7 +169,7 @@ impl Parts {
     /// `dropped`: records lost so far, of all the daemon did.
     pub fn put(&mut self, message: &Arc<Message>, dropped: u64) -> Result<(), WriteError> {
         let begins =
-            message.is_keyframe() && self.file.ticks > 0 && !self.crowded && self.is_full();
+            message.is_keyframe() && self.file.ticks > 0 && !self.is_crowded() && self.is_full();
         match message.topic {
             // The next part has a tick at least.
             Topic::Tick if !self.held.is_empty() => {
@@ -197,6 +199,11 @@ impl Parts {
         self.file.flush_if_due(self.disk.now())
     }
 
+    /// Too many files wait for the disk: this part goes on until there are fewer.
+    fn is_crowded(&self) -> bool {
+        self.waiting + self.closing.len() >= MOST_WAITING
+    }
+
     fn is_full(&self) -> bool {
         let ticks = self.file.last_tick.saturating_sub(self.file.first_tick) + 1;
         let time_ns = u128::from(ticks) * u128::from(self.head.dt_ns);
@@ -208,7 +215,7 @@ impl Parts {
     /// own: true once for each part.
     pub fn wants_keyframe(&mut self) -> bool {
         let wants = !self.asked
-            && !self.crowded
+            && !self.is_crowded()
             && self.file.ticks >= LEAST_TICKS
             && self.split.takes_its_share(self.file.len());
         self.asked |= wants;

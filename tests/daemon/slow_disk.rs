@@ -291,6 +291,7 @@ fn what_writes_that_stand_still_lose_is_counted_told_and_replayable() {
     disk.answers.store(true, Ordering::Relaxed);
     ticks(&mut live, 300);
     disk.holds_writes.store(true, Ordering::Relaxed);
+    live.keeps_pace = false;
     wait_for("a write that stands still", || {
         ticks(&mut live, 10);
         disk.held.load(Ordering::Relaxed) > 0
@@ -299,6 +300,7 @@ fn what_writes_that_stand_still_lose_is_counted_told_and_replayable() {
     let gauges = live.recorder.gauges();
     assert!(gauges.dropped.load(Ordering::Relaxed) > 100);
     disk.holds_writes.store(false, Ordering::Relaxed);
+    live.keeps_pace = true;
     ticks(&mut live, 300);
     let (report, records) = live.report();
     assert!(report.failure.is_none(), "{report:?}");
@@ -324,6 +326,7 @@ fn ticks_after_a_command_that_was_lost_are_lost_too_until_the_next_keyframe() {
     disk.answers.store(true, Ordering::Relaxed);
     ticks(&mut live, 150);
     disk.holds_writes.store(true, Ordering::Relaxed);
+    live.keeps_pace = false;
     wait_for("a write that stands still", || {
         ticks(&mut live, 1);
         disk.held.load(Ordering::Relaxed) > 0
@@ -338,6 +341,7 @@ fn ticks_after_a_command_that_was_lost_are_lost_too_until_the_next_keyframe() {
     ticks(&mut live, 50);
     live.command(Command::Resume);
     disk.holds_writes.store(false, Ordering::Relaxed);
+    live.keeps_pace = true;
     ticks(&mut live, 300);
     let (report, records) = live.report();
     assert!(report.dropped > 0 && report.failure.is_none(), "{report:?}");
