@@ -86,8 +86,6 @@ export class Tool {
   tick = 0;
   /** Age of the pose that made the newest force, when it arrived, ms; of our own hand. */
   poseAgeMs = 0;
-  /** When that pose was sent, ms. */
-  poseMs = 0;
   /** Pose of the device: known of our own mouse and of recorded ones. */
   hand: HandPose | null = null;
   device: DeviceInfo | null = null;

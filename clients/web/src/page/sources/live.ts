@@ -282,10 +282,7 @@ export class Live {
     tool.depth = force.depth;
     tool.contacts = force.contact_count;
     tool.flags = force.flags;
-    if (tool.hand !== null) {
-      tool.poseMs = Number(force.t_client_ns) * 1e-6;
-      tool.poseAgeMs = performance.now() - tool.poseMs;
-    }
+    if (tool.hand !== null) tool.poseAgeMs = performance.now() - Number(force.t_client_ns) * 1e-6;
     this.world.tick = tick;
     tool.history.push(tick, ...force.force, force.depth, tool.energy, tool.dissipated);
     this.world.touch();

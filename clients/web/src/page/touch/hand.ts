@@ -6,7 +6,7 @@
  * often: the daemon then sends its last pose on for half a second, because the device says that it has no motors.
  */
 
-import type { DeviceInfo, ToolPose } from "../../index";
+import { ForceFlags, type DeviceInfo, type ToolPose } from "../../index";
 import { add, norm, product, scaled, sub, turn, unitQuat, ZERO, type Quat, type Vec3 } from "../geometry";
 import type { HandPose, Tool, World } from "../world";
 
@@ -25,8 +25,6 @@ const RELAX_MS = 700;
 const CLAIM_MS = 3000;
 /** Time over which velocity is averaged: two or three steps of a mouse. */
 const SMOOTH_S = 0.02;
-/** The hand stands until a force has answered its first pose, but no longer. */
-const STAND_MS = 250;
 /** After a pause the hand comes no farther than in this time: the loop would take what is left for a jump. */
 const STRIDE_S = 0.03;
 
@@ -52,11 +50,7 @@ export class Hand {
 
   private confirmed = false;
   private claimed = 0;
-  /** When its first pose was sent, ms; zero before. */
-  private begun = 0;
-  /** A force has answered it. A tool whose first pose is inside a body feels nothing, so it may not be lost. */
-  private answered = false;
-  /** How far it was moved before that. */
+  /** How far it was moved before the tool was its own. */
   private moved: Vec3 = ZERO;
   private target: Vec3 = ZERO;
   private position: Vec3 = ZERO;
@@ -90,8 +84,7 @@ export class Hand {
     this.orientation = unitQuat(tool.orientation);
     this.velocity = this.moved = ZERO;
     this.seq = 0n;
-    this.grip = this.confirmed = this.answered = false;
-    this.begun = 0;
+    this.grip = this.confirmed = false;
     this.daemon.claim(tool.id, mouseInfo(this.name));
     this.last = this.claimed = performance.now();
     this.timer = setInterval(() => this.step(), PERIOD_MS);
@@ -102,7 +95,7 @@ export class Hand {
   move(by: Vec3): void {
     if (this.state !== "holding" || !by.every(Number.isFinite)) return;
     this.target = add(this.target, by);
-    if (!this.answered) this.moved = add(this.moved, by);
+    if (!this.confirmed) this.moved = add(this.moved, by);
     if (performance.now() - this.last >= LEAST_MS) this.step();
   }
 
@@ -154,16 +147,14 @@ export class Hand {
       this.confirmed = tool.holder === this.name;
       if (!this.confirmed && now - this.claimed > CLAIM_MS) return this.end("the daemon did not answer");
       if (!this.confirmed) return;
+      // A tool feels nothing that begins inside a body: its first pose is where it is.
       this.position = tool.proxy;
-      // As it comes back, in whole nanoseconds.
-      this.begun = Math.floor(now);
+      this.target = add(this.position, this.moved);
+      return this.send(now);
     }
-    if (!this.answered) {
-      this.answered = (tool.poseMs >= this.begun && tool.poseMs <= now) || now - this.begun > STAND_MS;
-      if (!this.answered) return this.send(now);
-      this.target = add(this.position, this.state === "holding" ? this.moved : ZERO);
-    }
-    const way = sub(this.target, this.position);
+    // One that is inside after a silence or a jump comes out, as far as the spring is slack, and goes on from there.
+    const withheld = (tool.flags & ForceFlags.WITHHELD) !== 0;
+    const way = sub(withheld ? tool.proxy : this.target, this.position);
     const longest = fastest * Math.min(seconds, STRIDE_S);
     const moved = norm(way) > longest ? scaled(way, longest / norm(way)) : way;
     this.position = add(this.position, moved);
