@@ -5,7 +5,7 @@ use crate::agones::{Call, Does, Sidecar};
 use crate::daemon::{Daemon, PROGRAM, free_port, side_by_side};
 use crate::scenes::{RIGID_TEARDROP as RIGID, too_slow, with_large_net};
 use palpate_client::proto::codec::encode;
-use palpate_client::proto::messages::{DeviceInfo, EventKind, ToolPose};
+use palpate_client::proto::messages::{DeviceInfo, EventKind, ToolForce, ToolPose, force_flags};
 use palpate_client::{Connect, Palpate, pose_at};
 use std::process::{Command, Output, Stdio};
 use std::sync::Arc;
@@ -216,9 +216,14 @@ fn a_stranger_neither_moves_a_held_tool_nor_describes_its_device_nor_locks_its_h
     let mut other = stranger.tool("ball").unwrap();
     let begun = Instant::now();
     let (mut moved, mut felt) = (0, 0);
-    while begun.elapsed() < Duration::from_secs(2) {
-        // From outside, as hands come.
-        let share = (begun.elapsed().as_secs_f64() / 0.3).min(1.0);
+    let mut came = begun;
+    while begun.elapsed() < Duration::from_secs(3) {
+        // From outside, as hands come; once more where a busy machine has lost it.
+        let withheld = |force: &ToolForce| force.flags & force_flags::WITHHELD != 0;
+        if tool.force().as_ref().is_some_and(withheld) {
+            came = Instant::now();
+        }
+        let share = (came.elapsed().as_secs_f64() / 0.3).min(1.0);
         let place = [0, 1, 2].map(|c| AWAY[c] + share * (PRESSED[c] - AWAY[c]));
         tool.send(pose_at(place)).unwrap();
         if begun.elapsed() > Duration::from_millis(500) {
@@ -238,7 +243,7 @@ fn a_stranger_neither_moves_a_held_tool_nor_describes_its_device_nor_locks_its_h
         std::thread::sleep(Duration::from_millis(1));
         if let Some(force) = tool
             .force()
-            .filter(|_| begun.elapsed() > Duration::from_secs(1))
+            .filter(|_| came.elapsed() > Duration::from_secs(1))
         {
             let size = force.force.iter().map(|f| f * f).sum::<f64>().sqrt();
             felt += u32::from(size > 0.3);

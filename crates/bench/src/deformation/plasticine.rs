@@ -109,7 +109,9 @@ pub(super) fn swept(
 ) -> (f64, Sweep) {
     let held = if effort == Effort::Quick { 400 } else { 1_500 };
     let (button, along) = if pulled { (GRAB, 1.0) } else { (0, -1.0) };
-    // A touch first, so light that nothing flows; a grip takes hold in it.
+    // From above: a tool that begins inside gives no force. Then a touch, so light that nothing flows; a grip takes
+    // hold in it.
+    world.pressing([0.0, 0.0, 0.0101], 0);
     let mut z = 0.01 - 1e-5;
     for _ in 0..20 {
         world.pressing([0.0, 0.0, z], button);

@@ -141,11 +141,14 @@ pub(super) fn jumps(kind: Kind) -> Result<Run, String> {
     .run()?;
     let (mut pressed, mut random): (f64, _) = (0.0, Random(23));
     for k in 0..10_000 {
-        let place = match k % 4 {
+        // Where jumps are refused, a tool only presses that came from outside.
+        let place = match k % 8 {
             0 => [0.0, 0.0, 0.5],
             1 => [0.0, 0.0, -0.5],
-            2 => [0.0, 0.0, 0.015],
-            _ => (random.vector() * 0.5).into(),
+            2 => (random.vector() * 0.5).into(),
+            6 => [0.0, 0.0, RADIUS_M + 0.002],
+            7 => [0.0, 0.0, RADIUS_M - 0.005],
+            _ => [0.0, 0.0, RADIUS_M + 0.01],
         };
         let force = run.at(place).norm();
         pressed = if force.is_nan() {
