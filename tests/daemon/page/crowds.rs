@@ -193,9 +193,10 @@ fn beset(port: u16, kind: &Kind, probe: impl FnOnce()) {
     });
 }
 
-/// Health answers in time: most tries may fall to a machine that does other things.
+/// Health answers in time. A try may fall to a machine that does other things; a server that takes seconds, or is mute for
+/// fifteen, fails all six.
 fn is_healthy(port: u16, path: &str, kind: &Kind) {
-    let told = (0..10).any(|tried| {
+    let told = (0..6).any(|tried| {
         std::thread::sleep(Duration::from_millis(100 * tried));
         ask(port, path, PROBE) == Ok(200)
     });

@@ -147,12 +147,12 @@ export class Hand {
       this.confirmed = tool.holder === this.name;
       if (!this.confirmed && now - this.claimed > CLAIM_MS) return this.end("the daemon did not answer");
       if (!this.confirmed) return;
-      // A tool feels nothing that begins inside a body: its first pose is where it is.
+      // A tool whose first pose is inside a body feels no force: the first pose is where the tool is.
       this.position = tool.proxy;
       this.target = add(this.position, this.moved);
       return this.send(now);
     }
-    // One that is inside after a silence or a jump comes out, as far as the spring is slack, and goes on from there.
+    // After a silence or a jump a tool may be inside: it moves out to its proxy, where the spring is slack, and goes on.
     const withheld = (tool.flags & ForceFlags.WITHHELD) !== 0;
     const way = sub(withheld ? tool.proxy : this.target, this.position);
     const longest = fastest * Math.min(seconds, STRIDE_S);

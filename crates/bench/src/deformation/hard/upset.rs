@@ -141,7 +141,7 @@ pub(super) fn jumps(kind: Kind) -> Result<Run, String> {
     .run()?;
     let (mut pressed, mut random): (f64, _) = (0.0, Random(23));
     for k in 0..10_000 {
-        // Where jumps are refused, a tool only presses that came from outside.
+        // Where jumps are refused, the tool presses only after it has come from outside.
         let place = match k % 8 {
             0 => [0.0, 0.0, 0.5],
             1 => [0.0, 0.0, -0.5],
