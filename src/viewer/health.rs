@@ -19,8 +19,8 @@ pub(super) fn routes(health: Arc<Health>) -> Router {
 }
 
 async fn metrics(State(health): State<Arc<Health>>) -> Response {
-    match health.figures() {
-        Some(figures) => ([(header::CONTENT_TYPE, OPENMETRICS)], figures.text()).into_response(),
+    match health.text() {
+        Some(text) => ([(header::CONTENT_TYPE, OPENMETRICS)], text).into_response(),
         None => (StatusCode::SERVICE_UNAVAILABLE, "no status yet\n").into_response(),
     }
 }

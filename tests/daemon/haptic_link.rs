@@ -188,7 +188,11 @@ fn a_device_killed_in_contact_leaves_by_the_ramp_and_the_next_one_joins_by_it() 
             .is_some_and(|force| force.pose_seq > 100 && force.pose_seq <= seq)
     });
     let force = tool.force().unwrap();
-    assert_eq!((force.force, force.flags), ([0.0; 3], flags::WITHHELD));
+    // The force is of the newest tick, which on a busy machine may be long after the pose.
+    assert_eq!(
+        (force.force, force.flags & !flags::STALE),
+        ([0.0; 3], flags::WITHHELD)
+    );
     for k in -200i32..=200 {
         tool.send(pose_at(way(f64::from(k.abs()) / 200.0))).unwrap();
         std::thread::sleep(Duration::from_millis(2));
