@@ -939,7 +939,11 @@ if (palpate !== undefined) {
         await sleep(20);
       };
       const steady = async (ms, meanwhile) => {
-        for (let k = 0; k < TRIES; k++) if (await listen(ms, meanwhile)) return;
+        for (let k = 0; k < TRIES; k++) {
+          // A hand that was lost before comes back first.
+          for (let k = 0; k < 100 && !(heard.forces.at(-1) > 0.3); k++) await sleep(50);
+          if (await listen(ms, meanwhile)) return;
+        }
         console.log("    skipped: this computer is too busy");
       };
       await steady(5000, turning);
