@@ -76,6 +76,9 @@ crate::layout::messages! {
         DAMPED = 7,
         /// No force: the tool was seated inside a body, and its contact force was not small once since then.
         WITHHELD = 8,
+        /// The force is less accurate than the scene asks for: the step of a body that the tool presses fell back
+        /// to another matrix or held cells back, or quality is lowered.
+        DEGRADED = 9,
     }
 
     /// The force a hand should feel: wrench on the tool, world axes, at the tool's reference point.
@@ -395,6 +398,20 @@ crate::layout::messages! {
         ForceWithheld {
             /// Tool id.
             tool: String,
+        },
+        /// A tool's force is less accurate than the scene asks for, from now on.
+        ForceDegraded {
+            /// Tool id.
+            tool: String,
+            /// What is done instead.
+            reason: String,
+        },
+        /// A tool's force is as accurate as the scene asks for again.
+        ForceRestored {
+            /// Tool id.
+            tool: String,
+            /// In how many ticks it was not.
+            ticks: u64,
         },
     }
 

@@ -101,6 +101,7 @@ const FORCE_FLAGS: [(u32, &str); 9] = [
     (force_flags::GRABBING, "GRABBING"),
     (force_flags::DAMPED, "DAMPED"),
     (force_flags::WITHHELD, "WITHHELD"),
+    (force_flags::DEGRADED, "DEGRADED"),
 ];
 
 /// Writes the flags of a force by their names; bits without one stay a number.

@@ -12,6 +12,7 @@ mod demo;
 mod device;
 mod doctor;
 mod echo;
+mod explain;
 mod export;
 mod hz;
 mod import;
@@ -132,6 +133,8 @@ enum Commands {
     Info(info::Args),
     /// Export a recording: a table of ticks, plots, the control net of a body at any tick.
     Export(export::Args),
+    /// Say why the forces of a recorded tick are what they are: gaps, compliances, residuals.
+    Explain(explain::Args),
     /// Turn a recording that was cut short into a finished file.
     Recover(recover::Args),
     /// Run a simulated haptic device that moves a tool of a running scene.
@@ -237,6 +240,7 @@ pub fn code_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> u8 
         Commands::View(args) => view::run(&args),
         Commands::Info(args) => info::run(&args),
         Commands::Export(args) => export::run(&args),
+        Commands::Explain(args) => explain::run(&args),
         Commands::Recover(args) => recover::run(&args),
         Commands::Device(args) => device::run(&args),
         Commands::Probe(args) => probe::run(&args),

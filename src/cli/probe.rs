@@ -8,8 +8,9 @@ use palpate_geometry::math::{Point3, Rotation, Vector3};
 use palpate_sim::haptics::DevicePose;
 use palpate_sim::scene::Scene;
 use palpate_sim::solve::rows::Holder;
-use palpate_sim::tick::record::{ContactReport, TickInput, TickOutput};
-use palpate_sim::tick::{apply, record::Command, step};
+use palpate_sim::tick::explain::Explanation;
+use palpate_sim::tick::record::{ContactReport, TickInput};
+use palpate_sim::tick::{apply, record::Command, step, step_explained};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -26,6 +27,9 @@ pub struct Args {
     /// Print one JSON object per line.
     #[arg(long)]
     json: bool,
+    /// Say of each pose why its force is what it is: gaps, compliances, residuals.
+    #[arg(long)]
+    explain: bool,
 }
 
 /// Result for one pose.
@@ -48,6 +52,9 @@ struct ProbeRow {
     /// Pieces of surfaces that searches gave up on the way, if any: contacts may be missing.
     #[serde(skip_serializing_if = "Option::is_none")]
     pieces_given_up: Option<u64>,
+    /// Of the last tick, with `--explain`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    explanation: Option<Explanation>,
 }
 
 #[derive(Debug, Serialize)]
@@ -168,7 +175,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         println!("{:>36}  {:>36} {:>10}", "position m", "force N", "depth mm");
     }
     for pose in poses {
-        let row = probe(&scene, tool, &pose);
+        let row = probe(&scene, tool, &pose, args.explain);
         if let Some(count) = row.pieces_given_up {
             eprintln!(
                 "note: line {}: searches gave up {count} pieces of surfaces that needed too much work; contacts may be missing",
@@ -195,6 +202,11 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
                 println!(
                     "    spheres {holder} on {body}: points, spheres, tests, meets by level {ours:?} {theirs:?}, {triangle_tests} triangle tests"
                 );
+            }
+            if let Some(explanation) = &row.explanation {
+                for line in super::explain::words(explanation).lines() {
+                    println!("    {line}");
+                }
             }
             for ContactRow {
                 body,
@@ -245,7 +257,7 @@ fn read_poses(path: &Path) -> anyhow::Result<Vec<DevicePose>> {
 }
 
 /// Moves from the tool's start straight to the pose and holds it until the force has settled.
-fn probe(scene: &Scene, tool: usize, pose: &DevicePose) -> ProbeRow {
+fn probe(scene: &Scene, tool: usize, pose: &DevicePose, explain: bool) -> ProbeRow {
     let mut state = scene.initial_state();
     let mut scratch = scene.scratch(&state);
     apply(scene, &mut state, &mut scratch, Command::Reset);
@@ -257,11 +269,12 @@ fn probe(scene: &Scene, tool: usize, pose: &DevicePose) -> ProbeRow {
     } else {
         1
     };
-    let mut run = |position: Point3| -> TickOutput {
+    let input = |position: Point3| {
         let mut input = TickInput::default();
         input.poses[tool] = Some(DevicePose { position, ..*pose });
-        step(scene, &mut state, &mut scratch, &input)
+        input
     };
+    let mut run = |position: Point3| step(scene, &mut state, &mut scratch, &input(position));
     // The first pose seats the proxy; it belongs outside.
     let mut out = run(start);
     for k in 1..=strides {
@@ -278,6 +291,10 @@ fn probe(scene: &Scene, tool: usize, pose: &DevicePose) -> ProbeRow {
         settled = (force - before).norm() <= SETTLED * force.norm() + 1e-6;
         before = force;
     }
+    let explanation = explain.then(|| {
+        let here = input(pose.position);
+        step_explained(scene, &mut state, &mut scratch, &here, &mut out)
+    });
     let own = out
         .contacts
         .list()
@@ -303,5 +320,6 @@ fn probe(scene: &Scene, tool: usize, pose: &DevicePose) -> ProbeRow {
             .collect(),
         settled,
         pieces_given_up,
+        explanation,
     }
 }

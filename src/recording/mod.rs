@@ -41,7 +41,7 @@ pub use channel::{EventRecord, Happening, Keyframe, NetRecord, OtherRecord, Topi
 pub use disk::{Disk, DiskFile, DiskSync, DiskTask, FileSystem};
 pub(crate) use disk::{create_new, give_name};
 pub use export::{
-    Bucket, BucketedCurve, ExportError, Range, Series, csv, net_at, ros2_bag, series,
+    Bucket, BucketedCurve, ExportError, Range, Series, csv, explain, net_at, ros2_bag, series,
 };
 pub use figures::{
     BodyFigures, Deviation, Figures, FiguresError, HashDifference, Hashes, Simulation, Tolerances,

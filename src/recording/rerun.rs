@@ -3,9 +3,10 @@
 
 use palpate_geometry::math::{Point3, SavedState, StateError, state_hash};
 use palpate_sim::scene::Scene;
+use palpate_sim::tick::explain::Explanation;
 use palpate_sim::tick::record::{Command, TickInput, TickOutput};
 use palpate_sim::tick::{SceneState, Scratch};
-use palpate_sim::tick::{apply, restore, step};
+use palpate_sim::tick::{apply, restore, step, step_explained};
 use std::sync::Arc;
 
 /// A scene at work.
@@ -44,6 +45,18 @@ impl Rerun {
     /// The next tick.
     pub fn tick(&mut self, input: &TickInput) -> TickOutput {
         step(&self.scene, &mut self.state, &mut self.scratch, input)
+    }
+
+    /// The next tick, with why its forces are what they are.
+    pub fn explained(&mut self, input: &TickInput) -> (TickOutput, Explanation) {
+        let mut output = TickOutput::for_tools(self.scene.tool_count());
+        let Self {
+            scene,
+            state,
+            scratch,
+        } = self;
+        let explanation = step_explained(scene, state, scratch, input, &mut output);
+        (output, explanation)
     }
 
     /// Hash of the state now.

@@ -600,6 +600,7 @@ impl BusThread {
             clients: self.forces.clients(),
             overtaken: self.forces.overtaken(),
             strangers: self.forces.strangers(),
+            degraded: self.tally.degraded(),
             adapters: self.served.adapters.read(),
             measured_hz: self.forces.rate().measured_hz(),
             rate_lost: self.forces.rate().is_lost(),

@@ -54,6 +54,8 @@ pub struct LoopMetrics {
     pub overtaken: u64,
     /// Poses of clients that did not hold their tool, by tool.
     pub strangers: Vec<u64>,
+    /// Ticks whose force was less accurate than the scene asks for, by tool.
+    pub degraded: Vec<u64>,
     /// Ticks a second, by the clock.
     pub measured_hz: f64,
     /// The loop is so slow that forces fade.
@@ -185,7 +187,7 @@ impl LoopMetrics {
 
     fn write_tools(&self, out: &mut Exposition) {
         type Read = fn(&LoopMetrics, usize, &ToolLink) -> u64;
-        let counters: [(&str, &str, Read); 8] = [
+        let counters: [(&str, &str, Read); 9] = [
             ("tool_poses_received", "Poses taken", |_, _, tool| {
                 tool.received
             }),
@@ -203,6 +205,11 @@ impl LoopMetrics {
                 "tool_stale_ticks",
                 "Ticks whose newest pose was stale",
                 |_, _, tool| tool.stale_ticks,
+            ),
+            (
+                "tool_degraded_ticks",
+                "Ticks whose force was less accurate than the scene asks for",
+                |all, t, _| at(&all.degraded, t),
             ),
             (
                 "tool_forces_published",

@@ -24,6 +24,9 @@ use zenoh::pubsub::Publisher;
 /// Overrun events come at most this often.
 const OVERRUNS_EVERY: Duration = Duration::from_secs(1);
 
+/// A force that was degraded for a moment more than so long ago is sound again: what comes and goes is one event.
+const RESTORED_AFTER: Duration = Duration::from_millis(100);
+
 /// What was counted of a tool, and how it stood in the last record.
 #[derive(Clone, Copy, Debug, Default)]
 struct ToolTally {
@@ -32,6 +35,40 @@ struct ToolTally {
     refused: bool,
     withheld: bool,
     moved: bool,
+    degraded: Degraded,
+}
+
+/// A stretch of ticks in which a force is degraded, and all of them.
+#[derive(Clone, Copy, Debug, Default)]
+struct Degraded {
+    /// Since the start.
+    ticks: u64,
+    /// In this stretch; 0 outside.
+    of_stretch: u64,
+    /// Ticks since the last of them.
+    since: u64,
+}
+
+/// What becomes of a force in a tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Turn {
+    Degraded,
+    /// After so many ticks.
+    Restored(u64),
+}
+
+impl Degraded {
+    /// Counts a tick; a stretch ends with so many ticks without.
+    fn count(&mut self, degraded: bool, ends_after: u64) -> Option<Turn> {
+        let begins = degraded && self.of_stretch == 0;
+        if degraded {
+            (self.ticks, self.of_stretch, self.since) = (self.ticks + 1, self.of_stretch + 1, 0);
+            return begins.then_some(Turn::Degraded);
+        }
+        self.since += u64::from(self.of_stretch > 0);
+        let ends = self.of_stretch > 0 && self.since >= ends_after;
+        ends.then(|| Turn::Restored(std::mem::take(&mut self.of_stretch)))
+    }
 }
 
 impl ToolTally {
@@ -168,6 +205,18 @@ impl LoopTally {
                 events.tell(EventKind::ForceWithheld { tool: id() });
             }
             tally.withheld = withheld;
+            let ends_after = (RESTORED_AFTER.as_secs_f64() / scene.dt_s).ceil() as u64;
+            let degraded = out.flags & flags::DEGRADED != 0;
+            match tally.degraded.count(degraded, ends_after) {
+                Some(Turn::Degraded) => events.tell(EventKind::ForceDegraded {
+                    tool: id(),
+                    reason: degraded_reason(record.output.quality).into(),
+                }),
+                Some(Turn::Restored(ticks)) => {
+                    events.tell(EventKind::ForceRestored { tool: id(), ticks });
+                }
+                None => {}
+            }
         }
         self.tell_quality(record.output.quality, events);
         let faulty = record.output.fault.is_some();
@@ -192,6 +241,14 @@ impl LoopTally {
             self.apart = false;
         }
         self.faulty = faulty;
+    }
+
+    /// Ticks whose force was degraded, by tool.
+    pub(super) fn degraded(&self) -> Vec<u64> {
+        self.tools
+            .iter()
+            .map(|tally| tally.degraded.ticks)
+            .collect()
     }
 
     /// True once for each time that a body comes apart in a loop that runs.
@@ -338,9 +395,37 @@ impl LoopTally {
     }
 }
 
+fn degraded_reason(quality: u8) -> &'static str {
+    match quality {
+        0 => {
+            "the step of a body fell back to another matrix or held cells back; `palpate explain` says which"
+        }
+        _ => "quality is lowered: the machine does not keep up",
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_comes_and_goes_within_a_moment_is_degraded_once_and_restored_once() {
+        let mut degraded = Degraded::default();
+        let mut turns = Vec::new();
+        for tick in 0..1_000u64 {
+            // Every third tick for a while, then none, then one.
+            let now = (100..400).contains(&tick) && tick % 3 == 0 || tick == 700;
+            turns.extend(degraded.count(now, 100).map(|turn| (tick, turn)));
+        }
+        let expected = [
+            (102, Turn::Degraded),
+            (499, Turn::Restored(100)),
+            (700, Turn::Degraded),
+            (800, Turn::Restored(1)),
+        ];
+        assert_eq!(turns, expected);
+        assert_eq!(degraded.ticks, 101);
+    }
 
     #[test]
     fn a_tool_is_moved_while_its_poses_are_fresh_and_a_reset_alone_does_not_take_its_hand_away() {

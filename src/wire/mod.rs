@@ -283,6 +283,8 @@ pub fn event_words(kind: &wire::EventKind) -> (&'static str, String) {
         Kind::ToolJoined { tool } => ("tool_joined", tool.clone()),
         Kind::ToolLost { tool } => ("tool_lost", tool.clone()),
         Kind::ForceWithheld { tool } => ("force_withheld", tool.clone()),
+        Kind::ForceDegraded { tool, reason } => ("force_degraded", format!("{tool}: {reason}")),
+        Kind::ForceRestored { tool, ticks } => ("force_restored", format!("{tool}: {ticks} ticks")),
         Kind::PoseRefused { tool, reason } => ("pose_refused", format!("{tool}: {reason}")),
         Kind::Fault { reason } => ("fault", reason.clone()),
         Kind::RecordStarted { path } => ("record_started", path.clone()),

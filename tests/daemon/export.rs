@@ -3,7 +3,7 @@
 use crate::common::World;
 use crate::session::{RIGID, Script, record, slab};
 use palpate::recording::{
-    Contents, ExportError, Range, Session, computed_info, csv, info, net_at, series,
+    Contents, ExportError, Range, Session, computed_info, csv, explain, info, net_at, series,
 };
 use palpate_geometry::exchange::{Format, Pick, read_surface};
 use palpate_geometry::math::Point3;
@@ -298,6 +298,59 @@ fn the_net_of_any_tick_is_exact() {
             assert!(bytes.len() > 1_000, "{ending}");
         }
     }
+}
+
+// The same ticks, run once more and asked: what they say is what was recorded.
+#[test]
+fn a_recorded_force_is_explained_and_a_tick_that_is_not_there_is_named() {
+    let directory = tempfile::tempdir().unwrap();
+    let (file, _) = soft(directory.path(), 300, false);
+    let kept = Contents::open(&file).unwrap();
+    let explained = |tick: u64| {
+        let tick = tick.to_string();
+        let file = file.to_str().unwrap();
+        let (out, told, code) = palpate(&["explain", file, "--tick", &tick, "--json"]);
+        assert_eq!(code, 0, "tick {tick}: {told}");
+        serde_json::from_str::<serde_json::Value>(&out).unwrap()
+    };
+    let mut touching = 0;
+    for record in kept.ticks.iter().step_by(23).chain(kept.ticks.last()) {
+        let (output, tick) = (&record.output, record.output.tick);
+        let explanation = explained(tick);
+        assert_eq!(explanation["tick"], tick);
+        let force = &explanation["tools"][0]["force_n"];
+        for (k, part) in output.tools[0].force_n.iter().enumerate() {
+            assert_eq!(force[k].as_f64().unwrap(), *part, "tick {tick}");
+        }
+        for row in explanation["rows"].as_array().unwrap() {
+            let number = |key: &str| row[key].as_f64().unwrap();
+            let compliance = &row["compliance_m_per_n"];
+            let parties = compliance["by_party"].as_object().unwrap().values();
+            let sum: f64 = parties.map(|part| part.as_f64().unwrap()).sum();
+            assert!((sum / compliance["sum"].as_f64().unwrap() - 1.0).abs() < 1e-12);
+            assert!(number("residual_m").abs() < 1e-5 && number("force_n") >= 0.0);
+            touching += 1;
+        }
+    }
+    assert!(touching > 10, "{touching} rows");
+    let (out, _, code) = palpate(&["explain", file.to_str().unwrap(), "--tick", "300"]);
+    assert!(
+        code == 0 && out.contains("left of its equation") && out.contains("tool:"),
+        "{out}"
+    );
+    for tick in ["0", "301"] {
+        let (_, told, code) = palpate(&["explain", file.to_str().unwrap(), "--tick", tick]);
+        assert!(code == 2 && told.contains("no state after tick"), "{told}");
+    }
+    let mut other = kept.clone();
+    let states = other.ticks.iter_mut();
+    states.for_each(|record| record.output.state_hash ^= 1);
+    let told = explain(&other.session().unwrap(), 150).unwrap_err();
+    assert!(
+        told.to_string()
+            .contains("diverges from the recording at tick 150"),
+        "{told}"
+    );
 }
 
 #[test]

@@ -1,10 +1,11 @@
 //! What comes out of a tick.
 
 use crate::scene::Built;
-use crate::values::structured;
+use crate::values::{python, structured};
 use numpy::PyArray1;
 use palpate_geometry::math::Vector3;
 use palpate_sim::solve::rows::Holder;
+use palpate_sim::tick::explain::Explanation;
 use palpate_sim::tick::record::{ContactReport, TickOutput, ToolOutput};
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
@@ -18,6 +19,7 @@ use std::sync::Arc;
 pub struct Output {
     tick: TickOutput,
     built: Arc<Built>,
+    explanation: Option<Explanation>,
 }
 
 /// What is read of a tool.
@@ -42,6 +44,15 @@ impl Output {
         Self {
             tick: tick.clone(),
             built: built.clone(),
+            explanation: None,
+        }
+    }
+
+    /// The same, with why its forces are what they are.
+    pub fn explained(self, explanation: Option<Explanation>) -> Self {
+        Self {
+            explanation,
+            ..self
         }
     }
 }
@@ -144,6 +155,19 @@ impl Output {
             .iter()
             .for_each(|contact| push_contact(&mut rows, contact));
         structured(py, "CONTACT", &rows, &[self.tick.contacts.list().len()])
+    }
+
+    /// Why the forces are what they are, after `step(…, explain=True)`, else None: a dictionary with `rows`
+    /// (`gap_m`, `gap_free_m`, `compliance_m_per_n` by party and in sum, `force_n`, `residual_m`), `bodies`
+    /// (`residual_n`: what the step leaves of its own equation) and `tools`. Of one row alone, -`gap_free_m`
+    /// over the compliance is the force.
+    #[getter]
+    fn explain<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let Some(explanation) = &self.explanation else {
+            return Ok(None);
+        };
+        let text = serde_json::to_string(explanation).map_err(crate::errors::internal)?;
+        python(py, "json", "loads", (text,)).map(Some)
     }
 
     /// A force or a state was not finite in this tick; forces were made safe.

@@ -127,6 +127,8 @@ impl Simulation {
     ///     (and velocities). A tool that is not named keeps sending its last one; `None` ends that.
     /// ticks : int
     ///     How many, at least 1.
+    /// explain : bool
+    ///     Have `Output.explain` say why the forces of the last tick are what they are. Slower, to the same bits.
     ///
     /// Raises
     /// ------
@@ -137,12 +139,13 @@ impl Simulation {
     ///     has happened then.
     /// BusyError
     ///     Another thread is stepping this simulation.
-    #[pyo3(signature = (poses=None, ticks=1))]
+    #[pyo3(signature = (poses=None, ticks=1, *, explain=false))]
     fn step(
         &self,
         py: Python<'_>,
         poses: Option<&Bound<'_, PyAny>>,
         ticks: usize,
+        explain: bool,
     ) -> PyResult<Output> {
         if ticks == 0 {
             return Err(PyValueError::new_err("ticks is 0; at least one is needed"));
@@ -153,12 +156,16 @@ impl Simulation {
             inner.run.held[tool] = pose;
         }
         let run = &mut inner.run;
-        let ran = interruptible(py, ticks, |_| run.tick());
+        let mut explanation = None;
+        let ran = interruptible(py, ticks, |k| match explain && k + 1 == ticks {
+            true => explanation = Some(run.explained()),
+            false => run.tick(),
+        });
         if !inner.views.is_empty() {
             inner.refresh(py)?;
         }
         ran?;
-        Ok(Output::of(&inner.run.output, &self.built))
+        Ok(Output::of(&inner.run.output, &self.built).explained(explanation))
     }
 
     /// Runs one tick for each row of the given poses, without the GIL; returns a `Trace` of arrays.

@@ -2,8 +2,9 @@
 
 use palpate::wire::device_pose;
 use palpate_proto::messages::ToolPose;
+use palpate_sim::tick::explain::Explanation;
 use palpate_sim::tick::record::{TickInput, TickOutput};
-use palpate_sim::tick::{SceneState, Scratch, step_into};
+use palpate_sim::tick::{SceneState, Scratch, step_explained, step_into};
 use pyo3::prelude::*;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -40,8 +41,7 @@ impl Loop {
         }
     }
 
-    /// One tick with the poses held.
-    pub fn tick(&mut self) {
+    fn take_poses(&mut self) {
         for (tool, held) in self.held.iter().enumerate() {
             self.input.poses[tool] = held.as_ref().and_then(|pose| {
                 let seq = self.seqs[tool] + 1;
@@ -51,6 +51,11 @@ impl Loop {
                 Some(device_pose(&pose))
             });
         }
+    }
+
+    /// One tick with the poses held.
+    pub fn tick(&mut self) {
+        self.take_poses();
         step_into(
             &self.scene,
             &mut self.state,
@@ -58,6 +63,20 @@ impl Loop {
             &self.input,
             &mut self.output,
         );
+    }
+
+    /// One tick with the poses held, and why its forces are what they are.
+    pub fn explained(&mut self) -> Explanation {
+        self.take_poses();
+        let Self {
+            scene,
+            state,
+            scratch,
+            input,
+            output,
+            ..
+        } = self;
+        step_explained(scene, state, scratch, input, output)
     }
 
     /// Back to where [`Loop::new`] is.

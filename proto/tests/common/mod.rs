@@ -222,6 +222,20 @@ pub fn events() -> Vec<(&'static str, SimEvent)> {
             },
         ),
         ("force_withheld", EventKind::ForceWithheld { tool: tool() }),
+        (
+            "force_degraded",
+            EventKind::ForceDegraded {
+                tool: tool(),
+                reason: "quality is lowered".into(),
+            },
+        ),
+        (
+            "force_restored",
+            EventKind::ForceRestored {
+                tool: tool(),
+                ticks: 120,
+            },
+        ),
     ];
     let event = |k: usize, kind| SimEvent {
         tick: 500,

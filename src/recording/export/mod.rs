@@ -2,16 +2,19 @@
 
 mod bag;
 mod csv;
+mod explained;
 mod net;
+mod reached;
 mod series;
 
 pub use bag::ros2_bag;
 pub use csv::csv;
+pub use explained::explain;
 pub use net::net_at;
 pub use series::{Bucket, BucketedCurve, Series, series};
 
 use super::channel::{Happening, Topic};
-use super::reader::{Follower, Session};
+use super::reader::{Follower, ReadError, Session};
 use super::replay::ReplayError;
 use palpate_geometry::surface::SurfaceError;
 use palpate_sim::tick::record::TickRecord;
@@ -73,6 +76,20 @@ pub enum ExportError {
         /// Nearest ticks with a net in the file.
         nets: Vec<u64>,
     },
+    /// This build comes to another state, and nothing recorded answers.
+    #[error(
+        "this build diverges from the recording at tick {tick}: use the one that recorded it (`palpate info` names it)"
+    )]
+    Diverges {
+        /// Wanted.
+        tick: u64,
+    },
+}
+
+impl From<ReadError> for ExportError {
+    fn from(error: ReadError) -> Self {
+        Self::Replay(ReplayError::Read(error))
+    }
 }
 
 fn known(ticks: Option<(u64, u64)>) -> String {

@@ -1,13 +1,11 @@
 //! The surface of a body after any tick: as recorded, or by replaying to it from the keyframe
 //! before.
 
-use super::super::channel::{Happening, Keyframe, Topic};
-use super::super::reader::{
-    Follower, ReadError, Session, first_keyframe, first_keyframe_where, last_keyframe_until,
-};
-use super::super::replay::{ReplayError, recorded_scene};
-use super::super::rerun::Rerun;
+use super::super::channel::{Happening, Topic};
+use super::super::reader::{Follower, ReadError, Session};
+use super::super::replay::recorded_scene;
 use super::ExportError;
+use super::reached::Reached;
 use palpate_geometry::math::{Point3, first_outside};
 use palpate_geometry::surface::Surface;
 use palpate_sim::scene::Scene;
@@ -33,7 +31,7 @@ pub fn net_at(session: &Session, body: &str, tick: u64) -> Result<Surface, Expor
         });
     };
     let count = scene.rest_surface(index).net().points().len();
-    let points = match recorded(session, body, tick, count).map_err(ReplayError::Read)? {
+    let points = match recorded(session, body, tick, count)? {
         Some(points) => points,
         None => replayed(session, &scene, index, tick)?,
     };
@@ -68,57 +66,13 @@ fn replayed(
     body: usize,
     tick: u64,
 ) -> Result<Vec<Point3>, ExportError> {
-    let read = |error: ReadError| ExportError::from(ReplayError::Read(error));
-    let first = first_keyframe(session).map_err(read)?.map(|(_, k)| k.tick);
-    let last = session.tick_range().map(|(_, last)| last);
-    let known = first.map(|first| (first, last.unwrap_or(first).max(first)));
-    if known.is_none_or(|(first, last)| tick < first || tick > last) {
-        return Err(ExportError::UnknownTick { tick, ticks: known });
-    }
-    // One of this very tick will do, unless it holds commands that came after it: then the one
-    // before leads here.
-    let fits = |keyframe: &Keyframe| keyframe.tick < tick || keyframe.commands == 0;
-    let before = match last_keyframe_until(session, tick, fits).map_err(read)? {
-        None => last_keyframe_until(session, tick, |_| true).map_err(read)?,
-        found => found,
-    };
-    let Some((place, keyframe)) = before else {
-        return Err(ExportError::UnknownTick { tick, ticks: known });
-    };
-    let mut rerun = Rerun::new(scene);
-    let state = |source| ReplayError::State {
-        tick: keyframe.tick,
-        source,
-    };
-    let mut hash = rerun.seat(&keyframe.saved).map_err(state)?;
-    let mut expected = keyframe.state_hash;
-    let mut at = keyframe.tick;
-    let mut follower = Follower::at(session, place).only(&[Topic::Tick, Topic::Command]);
-    while at < tick {
-        match follower.next().transpose().map_err(read)? {
-            Some(Happening::Tick(record)) if record.output.tick == at + 1 => {
-                at += 1;
-                hash = rerun.tick(&record.input).state_hash;
-                expected = record.output.state_hash;
-            }
-            Some(Happening::Command(after_tick, command)) if after_tick <= at => {
-                rerun.command(command);
-            }
-            Some(Happening::Tick(_)) | None => break,
-            Some(_) => {}
-        }
-    }
-    if at != tick {
-        let next = first_keyframe_where(session, |keyframe| keyframe.tick > tick);
-        let next = next.map_err(read)?.map(|(_, keyframe)| keyframe.tick);
-        return Err(ExportError::Unreached { tick, next });
-    }
-    if hash != expected {
-        let nets = nets_near(session, scene.body_id(body), tick).map_err(read)?;
+    let reached = Reached::after(session, scene, tick)?;
+    if !reached.is_exact {
+        let nets = nets_near(session, scene.body_id(body), tick)?;
         return Err(ExportError::Inexact { tick, nets });
     }
     let mut points = Vec::new();
-    rerun.copy_net(body, &mut points);
+    reached.rerun.copy_net(body, &mut points);
     Ok(points)
 }
 

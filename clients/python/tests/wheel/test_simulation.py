@@ -49,6 +49,26 @@ def test_the_force_on_a_rigid_ball_is_stiffness_times_depth(rigid_scene: pp.Scen
     assert "probe" in out.force and out.force.get("other") is None and len(out.force) == 1
 
 
+def test_a_force_explains_itself_to_the_same_bits(rigid_scene: pp.Scene, soft_scene: pp.Scene) -> None:
+    for scene, tool, way in ((rigid_scene, "probe", lower(60)), (soft_scene, "ball", press(60))):
+        plain, asked = scene.simulate(), scene.simulate()
+        for place in way:
+            a, b = plain.step({tool: place}), asked.step({tool: place}, explain=True)
+            assert a.hash == b.hash and a.explain is None
+        explained = b.explain
+        assert explained["tick"] == 60 and len(explained["bodies"]) == (scene is soft_scene)
+        rows = [row for row in explained["rows"] if row["force_n"] > 0.0]
+        assert rows
+        for row in rows:
+            compliance = row["compliance_m_per_n"]
+            assert compliance["sum"] == pytest.approx(sum(compliance["by_party"].values()), rel=1e-12)
+            assert (row["body"], row["holder"]) == (scene.bodies[0], tool)
+        if scene is rigid_scene:
+            (row,) = rows
+            assert row["force_n"] == pytest.approx(-row["gap_free_m"] / row["compliance_m_per_n"]["sum"], rel=1e-9)
+            assert row["force_n"] == pytest.approx(500.0 * 0.002, rel=1e-9)
+
+
 def test_a_held_pose_is_sent_each_tick_and_none_ends_that(rigid_scene: pp.Scene) -> None:
     sim = rigid_scene.simulate()
     for place in lower(200):

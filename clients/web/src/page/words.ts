@@ -54,6 +54,11 @@ function wordsOf(kind: EventKind): Told {
       const words = (count: bigint) => `${kind.tool} is inside a body: no force until it is out of it${count === 1n ? "" : ` (${count} times)`}`;
       return counted("tool", words(1n), words);
     }
+    case "ForceDegraded": {
+      const words = (count: bigint) => `The force of ${kind.tool} is less accurate than asked for${count === 1n ? "" : ` (${count} times)`}: ${kind.reason}`;
+      return counted("tool", words(1n), words);
+    }
+    case "ForceRestored": return counted("tool", `The force of ${kind.tool} is accurate again`, (count) => `The force of ${kind.tool} is accurate again (${count} times)`);
     case "Fault": return faultWords(kind.reason);
     case "RecordStarted": return told("recorder", `Recording to ${kind.path}`);
     case "RecordStopped": return told("recorder", `Recorded ${kind.path}`);
@@ -91,6 +96,8 @@ function recordedKind(kind: string, detail: string): EventKind | null {
     case "tool_lost": return { type: "ToolLost", tool: detail };
     case "pose_refused": return { type: "PoseRefused", tool: first, reason: rest };
     case "force_withheld": return { type: "ForceWithheld", tool: detail };
+    case "force_degraded": return { type: "ForceDegraded", tool: first, reason: rest };
+    case "force_restored": return /^\d{1,15} ticks$/.test(rest) ? { type: "ForceRestored", tool: first, ticks: BigInt(rest.split(" ")[0]) } : null;
     case "fault": return { type: "Fault", reason: detail };
     case "record_started": return { type: "RecordStarted", path: detail };
     case "record_stopped": return { type: "RecordStopped", path: detail };
@@ -126,6 +133,7 @@ const STATES: readonly (readonly [flag: number, words: string, hides: number])[]
   [ForceFlags.SATURATED, "at the force limit", 0],
   [ForceFlags.GRABBING, "gripping", 0],
   [ForceFlags.DAMPED, "damped", 0],
+  [ForceFlags.DEGRADED, "less accurate than asked for", 0],
 ];
 
 /** What the flags of a force say. Of a tool that nobody holds (`free`) an old pose is no news, nor what follows from it. */

@@ -21,7 +21,7 @@ use super::frames::{Frame, Frames, IDENTITY, from_rest, into_rest};
 use super::look_ahead::LookAhead;
 use super::matter::{FIXED, Matter, lanes};
 use super::scalar_factor::{ScalarFactor, ScalarWork};
-use super::settings::{DeformableError, StepMatrix};
+use super::settings::{DeformableError, FallBack, StepMatrix};
 use super::soft_modes::SoftModes;
 use super::state::{DeformableScratch, DeformableState};
 use matrices::{bounding, is_too_stiff, places, scalar_matrix, tangent_of};
@@ -371,6 +371,15 @@ impl ImplicitStep {
         }
     }
 
+    /// The matrix that the step takes instead of its own, if it does.
+    pub(super) fn fall_back(&self, scratch: &ImplicitScratch) -> Option<FallBack> {
+        match scratch.caution.level {
+            0 => None,
+            level if level < BOUNDING => Some(FallBack::Firmer),
+            _ => Some(FallBack::Bounding),
+        }
+    }
+
     /// Settles by which response contact answers in this step: after the first correction.
     pub(super) fn settle_response(&self, scratch: &mut DeformableScratch) {
         let Matrix::Tangent(tangent) = &self.matrix else {
@@ -396,31 +405,16 @@ impl ImplicitStep {
         scratch: &mut DeformableScratch,
         first: bool,
     ) {
-        let inverse_dt = 1.0 / matter.settings.dt_s;
-        for c in 0..state.positions.len() {
-            let moved = scratch.reached[c] - state.positions[c];
-            let due = (state.velocities[c] - moved * inverse_dt) * inverse_dt
-                + scratch.field.at(&state.positions[c], &state.velocities[c]);
-            let load = due * matter.masses[c];
-            scratch.residual[c] = [load.x, load.y, load.z, 0.0];
-        }
-        for &(coordinate, force) in &scratch.carried {
-            let lane = &mut scratch.residual[coordinate as usize];
-            for (value, part) in lane.iter_mut().zip(force.iter()) {
-                *value += part;
-            }
-        }
+        self.weigh_motion(matter, state, scratch);
         if first {
             self.calm_short(matter, state, scratch);
         }
-        lanes(&scratch.reached, &mut scratch.coordinates);
-        self.look_ahead(matter, state, scratch);
         let follows = matches!(self.matrix, Matrix::Tangent(_));
         scratch.farther = match follows && scratch.implicit.caution.level < BOUNDING {
             true => TANGENT_REACH,
             false => 1.0,
         };
-        matter.add_law_forces(state, scratch);
+        self.weigh_law(matter, state, scratch);
         let DeformableScratch {
             implicit,
             residual,
@@ -458,6 +452,48 @@ impl ImplicitStep {
         for (moved, &c) in implicit.rhs.iter().zip(&matter.coordinate_of_unknown) {
             reached[c as usize] += *moved;
         }
+    }
+
+    /// Residual of backward Euler at the guess in `scratch.reached`, with the contact forces in
+    /// `scratch.carried`, into `scratch.residual`; cells are followed as far as `scratch.farther` says.
+    pub(super) fn weigh(
+        &self,
+        matter: &Matter,
+        state: &DeformableState,
+        scratch: &mut DeformableScratch,
+    ) {
+        self.weigh_motion(matter, state, scratch);
+        self.weigh_law(matter, state, scratch);
+    }
+
+    /// The part of inertia, field and contact.
+    fn weigh_motion(
+        &self,
+        matter: &Matter,
+        state: &DeformableState,
+        scratch: &mut DeformableScratch,
+    ) {
+        let inverse_dt = 1.0 / matter.settings.dt_s;
+        for c in 0..state.positions.len() {
+            let moved = scratch.reached[c] - state.positions[c];
+            let due = (state.velocities[c] - moved * inverse_dt) * inverse_dt
+                + scratch.field.at(&state.positions[c], &state.velocities[c]);
+            let load = due * matter.masses[c];
+            scratch.residual[c] = [load.x, load.y, load.z, 0.0];
+        }
+        for &(coordinate, force) in &scratch.carried {
+            let lane = &mut scratch.residual[coordinate as usize];
+            for (value, part) in lane.iter_mut().zip(force.iter()) {
+                *value += part;
+            }
+        }
+    }
+
+    /// The part of the law, ahead of the guess by what damping looks ahead.
+    fn weigh_law(&self, matter: &Matter, state: &DeformableState, scratch: &mut DeformableScratch) {
+        lanes(&scratch.reached, &mut scratch.coordinates);
+        self.look_ahead(matter, state, scratch);
+        matter.add_law_forces(state, scratch);
     }
 
     /// Damps what is as heavy as the matrix says only because its edges are short: it would swing on

@@ -65,7 +65,7 @@ pub use material::{Material, PRESETS, Plastic, Preset, Stiffening, preset};
 pub use matter::{Blueprint, Grain};
 pub use membrane::membrane;
 pub use node_map::{NodeMap, SparseRows};
-pub use settings::{DeformableError, Integrator, StepMatrix, StepSettings};
+pub use settings::{DeformableError, FallBack, Integrator, StepMatrix, StepSettings};
 pub use sheet::{Row, Sheet};
 pub use som::{SomSettings, som};
 pub use springs::{Spring, SpringRule};

@@ -51,6 +51,18 @@ pub enum StepMatrix {
     Bounding,
 }
 
+/// What a step does instead of what its settings say, where its own matrix cannot follow the body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FallBack {
+    /// It takes a matrix that is firmer against turning than the tangent of rest.
+    Firmer,
+    /// It takes the bounding matrix: its motion is too slow.
+    Bounding,
+    /// Forces of so many cells are held back to what the matrix can follow.
+    CellsHeld(u32),
+}
+
 /// Why a body could not be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DeformableError {

@@ -485,7 +485,12 @@ fn add_free_body(body: usize, gives: &Gives, whole: bool, scratch: &mut Scratch)
 }
 
 /// How each soft mode of a body moves a row, into the scratch; false if none does.
-fn modes_of_row(body: usize, deformable: &Deformable, scratch: &mut Scratch, row: &Row) -> bool {
+pub(super) fn modes_of_row(
+    body: usize,
+    deformable: &Deformable,
+    scratch: &mut Scratch,
+    row: &Row,
+) -> bool {
     let Scratch {
         bodies,
         rows,

@@ -5,7 +5,7 @@ use super::feet::margin_m;
 use super::flight::is_between_rigid;
 use super::record::{ContactReport, TickFault, TickOutput, ToolOutput};
 use super::{SceneState, Scratch, ToolState, WarmRow, flags};
-use super::{grip, load, lying, rest, stick};
+use super::{degraded, grip, load, lying, rest, stick};
 use crate::haptics::{LinkPhase, Motion, RenderedForce, Wrench, limit};
 use crate::scene::{BodyModel, Scene};
 use crate::solve::friction::FrictionLaw;
@@ -133,6 +133,7 @@ pub(super) fn emit(
     for t in 0..scene.tools.len() {
         grip::take(scene, state, scratch, t, &mut output.tools[t]);
     }
+    degraded::mark(scene, scratch, output);
     load_bodies(scene, state, scratch);
 }
 

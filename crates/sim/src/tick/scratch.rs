@@ -54,6 +54,8 @@ pub struct Scratch {
     pub(super) mode_moves: Vec<Vector3>,
     /// (rows × modes of one body), along the rows' normals.
     pub(super) modes_along: Vec<f64>,
+    /// By body: its step does less than the scene asks for.
+    pub(super) degraded: Vec<bool>,
     /// Where bodies that take several ticks step; without it they step in the tick in which they
     /// are due.
     pub(super) pipeline: Option<Box<dyn Pipeline>>,
@@ -260,6 +262,7 @@ impl Scene {
             barriers: Vec::with_capacity(most_rows),
             shares: Vec::with_capacity(most_rows),
             delassus: Delassus::new(2 * most_rows, width, unknowns, surface),
+            degraded: vec![false; self.bodies.len()],
             pipeline: None,
             start: self.initial_state(),
         };

@@ -1,5 +1,6 @@
 //! One tick: pure, no clock, no I/O, no allocation, no lock, no error.
 
+use super::explain::{self, Explanation};
 use super::record::{Command, TickInput, TickOutput};
 use super::{PairState, RunState, SceneState, Scratch, flags, quality};
 use super::{admit, balance, emit, gather, iterate, motion, rigid};
@@ -55,6 +56,23 @@ pub fn step_into(
     render(scene, state, scratch, input, output);
     deform(scene, state, scratch, output);
     hash(state, output);
+}
+
+/// [`step_into`], with why its forces are what they are: to the same bits, but slower, and it allocates.
+pub fn step_explained(
+    scene: &Scene,
+    state: &mut SceneState,
+    scratch: &mut Scratch,
+    input: &TickInput,
+    output: &mut TickOutput,
+) -> Explanation {
+    render(scene, state, scratch, input, output);
+    let mut explanation = explain::of_contact(scene, state, scratch, output);
+    let steps = explain::steps(scene, state, scratch);
+    deform(scene, state, scratch, output);
+    explanation.bodies = explain::of_bodies(scene, state, output.moving, steps);
+    hash(state, output);
+    explanation
 }
 
 /// [`Stage::Render`](super::stage::Stage): admits the poses, finds contacts and forces. What

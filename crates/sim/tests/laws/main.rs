@@ -11,6 +11,7 @@ mod deformation;
 mod deforming_input;
 mod deforming_laws;
 mod examples;
+mod explained;
 mod extreme_input;
 mod flags;
 mod free_rigid;

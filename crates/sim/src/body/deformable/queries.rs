@@ -2,10 +2,15 @@
 
 use super::{Deformable, FIXED, Stepper, lanes};
 use crate::body::cells::{Cell, CellQuality};
+use crate::body::field::Field;
 use crate::body::matter::Grain;
 use crate::body::node_map::NodeMap;
+use crate::body::settings::FallBack;
 use crate::body::state::{DeformableScratch, DeformableState};
 use palpate_geometry::math::{Lane, Matrix3, Point3, Vector3};
+
+/// Beyond any strain of a state that means something.
+const FAR: f64 = 1e6;
 
 impl Deformable {
     /// Forces of the law on the coordinates at a state, N (x, y, z, 0).
@@ -26,12 +31,59 @@ impl Deformable {
         state: &DeformableState,
         scratch: &'a mut DeformableScratch,
     ) -> &'a [Lane] {
-        /// Beyond any strain of a state that means something.
-        const FAR: f64 = 1e6;
         let farther = std::mem::replace(&mut scratch.farther, FAR);
         self.internal_forces(state, scratch);
         scratch.farther = farther;
         &scratch.residual
+    }
+
+    /// What a step from one state to the other leaves of its own equation, backward Euler, N by coordinate:
+    /// forces of field, law and contact less M (z − y)/dt², no cell held back; zero of fixed coordinates.
+    /// `None` where the step slept or has no such equation.
+    pub fn residual(
+        &self,
+        before: &DeformableState,
+        after: &DeformableState,
+        field: Field,
+    ) -> Option<Vec<Vector3>> {
+        let Stepper::Implicit(implicit) = &self.stepper else {
+            return None;
+        };
+        if self.asleep(before) && after.positions == before.positions {
+            return None;
+        }
+        let mut scratch = self.scratch();
+        self.set_field(&mut scratch, field);
+        self.begin(implicit, before, &mut scratch);
+        scratch.reached.copy_from_slice(&after.positions);
+        let forces = self.matter.surface.iter().zip(&after.contact_n);
+        scratch.carried = forces.map(|(&c, &force)| (c, force)).collect();
+        scratch.farther = FAR;
+        implicit.weigh(&self.matter, before, &mut scratch);
+        let left = scratch.residual.iter().enumerate();
+        let left = left.map(|(c, lane)| match self.unknown(c) {
+            Some(_) => Vector3::new(lane[0], lane[1], lane[2]),
+            None => Vector3::zeros(),
+        });
+        Some(left.collect())
+    }
+
+    /// What free points feel in the step that the scratch stands for.
+    pub fn field(&self, scratch: &DeformableScratch) -> Field {
+        scratch.field
+    }
+
+    /// The fall-back of the step that the scratch stands for, if one acts; none while the body sleeps.
+    pub fn fall_back(&self, scratch: &DeformableScratch) -> Option<FallBack> {
+        if scratch.at_rest {
+            return None;
+        }
+        let matrix = match &self.stepper {
+            Stepper::Implicit(implicit) => implicit.fall_back(&scratch.implicit),
+            Stepper::Explicit(_) | Stepper::Xpbd(_) => None,
+        };
+        let held = scratch.limited;
+        matrix.or((held > 0).then_some(FallBack::CellsHeld(held)))
     }
 
     /// Kinetic plus elastic energy, J.

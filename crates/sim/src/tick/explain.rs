@@ -1,0 +1,310 @@
+//! Why the forces of a tick are what they are.
+//!
+//! A row carries the force that closes its gap after free motion against the compliance of all that
+//! gives way under it: the coupling, the bodies, the near field of a ball. Each of these numbers is
+//! computed here from the parties alone, beside the matrix that the solve used, and a debug build
+//! compares both.
+
+use super::record::TickOutput;
+use super::{SceneState, Scratch, balance};
+use crate::body::{Deformable, DeformableState, FallBack, Field};
+use crate::scene::{BodyModel, Scene};
+use crate::solve::friction::FrictionLaw;
+use crate::solve::rows::{Holder, Row};
+use palpate_geometry::math::Vector3;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Why the forces of one tick are what they are. Made by [`step_explained`](super::step_explained).
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Explanation {
+    /// The tick.
+    pub tick: u64,
+    /// Level of quality; 0 is full.
+    pub quality: u8,
+    /// Tools, in the order of the scene.
+    pub tools: Vec<ToolExplained>,
+    /// Rows of the contact solve, in its order.
+    pub rows: Vec<RowExplained>,
+    /// Bodies that deform, in the order of the scene.
+    pub bodies: Vec<BodyExplained>,
+}
+
+/// What a tool's rows come to.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ToolExplained {
+    /// Its id.
+    pub tool: String,
+    /// Force for the device, N, world axes.
+    pub force_n: [f64; 3],
+    /// Sum of its rows' forces, N.
+    pub contact_force_n: [f64; 3],
+    /// Share of it that the device's limits let through.
+    pub borne: f64,
+    /// Bits of [`flags`](super::flags).
+    pub flags: u32,
+}
+
+/// One unilateral constraint between two parties, or one anchor of a grip.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RowExplained {
+    /// The body's id.
+    pub body: String,
+    /// The other party: a tool's id, or a body's.
+    pub holder: String,
+    /// An anchor of a grip: it also pulls.
+    pub grip: bool,
+    /// On the body's surface, m.
+    pub point_m: [f64; 3],
+    /// From the body to the holder.
+    pub normal: [f64; 3],
+    /// Gap as the surfaces stand, m; negative inside.
+    pub gap_m: f64,
+    /// Gap after free motion of both parties, m: without contact forces.
+    pub gap_free_m: f64,
+    /// How much the gap opens for each newton of this row alone.
+    pub compliance_m_per_n: ComplianceExplained,
+    /// Force along the normal, N, before the device's limits.
+    pub force_n: f64,
+    /// Force across the normal, N.
+    pub tangent_n: [f64; 3],
+    /// What is left of the gap under all forces where the row carries, m; of others, how far they are
+    /// inside (0 outside).
+    pub residual_m: f64,
+}
+
+/// Compliance along a row's normal.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct ComplianceExplained {
+    /// m/N: `tool:ID` is a coupling, `body:ID` what a body gives way, `near_field` how far a ball goes in
+    /// beyond what a net shows, `ease` what other rows carry in this one's stead.
+    pub by_party: BTreeMap<String, f64>,
+    /// All of it, m/N.
+    pub sum: f64,
+}
+
+/// How well a deforming body's step solves its own equation.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BodyExplained {
+    /// Its id.
+    pub body: String,
+    /// Norm over all coordinates of M (z − y)/dt² less all forces at the end of the step, no cell held
+    /// back, N; none where the tick ended no step of a matrix.
+    pub residual_n: Option<f64>,
+    /// Norm of the contact forces on its coordinates, N, to compare it with.
+    pub contact_n: f64,
+    /// Matrix of the step: `tangent`, `firmer` or `bounding`; none of methods without one.
+    pub matrix: Option<&'static str>,
+    /// The fall-back of the step that acts, if one does.
+    pub fall_back: Option<FallBack>,
+}
+
+/// The tick after contact has been solved and before bodies move.
+pub(super) fn of_contact(
+    scene: &Scene,
+    state: &SceneState,
+    scratch: &mut Scratch,
+    output: &TickOutput,
+) -> Explanation {
+    let tools = (0..scene.tool_count()).map(|t| {
+        let out = &output.tools[t];
+        ToolExplained {
+            tool: scene.tool_id(t).to_owned(),
+            force_n: out.force_n.into(),
+            contact_force_n: out.contact_force_n.into(),
+            borne: scratch.rows.factors[t],
+            flags: out.flags,
+        }
+    });
+    let mut explanation = Explanation {
+        tick: output.tick,
+        quality: output.quality,
+        tools: tools.collect(),
+        ..Explanation::default()
+    };
+    for i in 0..scratch.rows.rows.len() {
+        let explained = explain_row(scene, state, scratch, i);
+        explanation.rows.push(explained);
+    }
+    explanation
+}
+
+fn explain_row(scene: &Scene, state: &SceneState, scratch: &mut Scratch, i: usize) -> RowExplained {
+    let row = scratch.rows.rows[i];
+    let compliance = compliance(scene, state, scratch, &row);
+    let whole = scratch.friction.is_active();
+    // With friction, turns, soft modes and near fields are kept beside the matrix.
+    let solved = scratch.problem.entry(i, i);
+    debug_assert!(
+        whole || (compliance.sum - solved).abs() <= 1e-9 * solved,
+        "row {i}: the parties give way by {} m/N, the solve by {solved}",
+        compliance.sum
+    );
+    let (force_n, tangent_n) = match whole {
+        true => (scratch.friction.normal_n(i), scratch.friction.tangent_n(i)),
+        false => (scratch.problem.forces()[i], Vector3::zeros()),
+    };
+    let after_m = scratch.gap_after(i);
+    let holder = match row.holder {
+        Holder::Tool(tool) => scene.tool_id(tool as usize),
+        Holder::Body(body) => scene.body_id(body as usize),
+    };
+    let grip = matches!(row.law, FrictionLaw::Grip { .. });
+    RowExplained {
+        body: scene.body_id(row.body as usize).to_owned(),
+        holder: holder.to_owned(),
+        grip,
+        point_m: row.point.coords.into(),
+        normal: row.normal.into(),
+        gap_m: row.now_m,
+        gap_free_m: row.gap_m,
+        compliance_m_per_n: compliance,
+        force_n,
+        tangent_n: tangent_n.into(),
+        residual_m: match force_n > 0.0 || grip {
+            true => after_m,
+            false => after_m.min(0.0),
+        },
+    }
+}
+
+/// What gives way along a row's normal under a force of that row.
+fn compliance(
+    scene: &Scene,
+    state: &SceneState,
+    scratch: &mut Scratch,
+    row: &Row,
+) -> ComplianceExplained {
+    let mut by_party = BTreeMap::new();
+    let mut add = |party: String, m_per_n: f64| {
+        if m_per_n != 0.0 {
+            *by_party.entry(party).or_insert(0.0) += m_per_n;
+        }
+    };
+    if let Some(t) = row.tool() {
+        let coupling = scene.tools[t].coupling_for(&state.tools[t].bounds);
+        let turning = row.arm.cross(&row.normal).norm_squared();
+        add(
+            format!("tool:{}", scene.tool_id(t)),
+            coupling.compliance_m_n() + turning * coupling.turning_compliance_rad_nm(),
+        );
+    }
+    for (b, body) in scene.bodies.iter().enumerate() {
+        let m_per_n = match &body.model {
+            BodyModel::Deforming(model) => {
+                let deformable = &model.deformable;
+                let modes = match balance::modes_of_row(b, deformable, scratch, row) {
+                    true => (scratch.mode_moves.iter().zip(deformable.mode_gains()))
+                        .map(|(moves, gain)| gain * moves.dot(&row.normal).powi(2))
+                        .sum(),
+                    false => 0.0,
+                };
+                modes + surface_compliance(b, deformable, scratch, row)
+            }
+            BodyModel::Rigid => scratch.bodies[b].gives().map_or(0.0, |gives| {
+                let turning = gives.arm(row).cross(&row.normal);
+                let alone = gives.shift_m_n + gives.turned(&turning).dot(&turning);
+                alone * row.sides_on(b).map(|(sign, _)| sign).sum::<f64>().powi(2)
+            }),
+        };
+        add(format!("body:{}", scene.body_id(b)), m_per_n);
+    }
+    let dent = &scratch.indentations[row.id.pair as usize];
+    if !row.id.key.is_anchor() {
+        add(
+            "near_field".to_owned(),
+            dent.slope_m_n * row.normal.dot(&dent.normal).powi(2),
+        );
+    }
+    let sum: f64 = by_party.values().sum();
+    let eased = sum * row.ease;
+    if eased != 0.0 {
+        by_party.insert("ease".to_owned(), eased);
+    }
+    ComplianceExplained {
+        by_party,
+        sum: sum + eased,
+    }
+}
+
+/// What the surface of a deforming body gives way, without its soft modes.
+fn surface_compliance(b: usize, deformable: &Deformable, scratch: &Scratch, row: &Row) -> f64 {
+    let Some(deforming) = &scratch.bodies[b].deforming else {
+        return 0.0;
+    };
+    let mut sum = 0.0;
+    for (sign_a, side_a) in row.sides_on(b) {
+        let (controls_a, weights_a) = scratch.rows.weights_in(side_a);
+        for (&a, weight_a) in controls_a.iter().zip(weights_a) {
+            let coordinate = deformable.coordinate_of_control(a as usize);
+            let Some(column) = deformable.compliance_of(&deforming.deformable, coordinate) else {
+                continue;
+            };
+            for (sign_b, side_b) in row.sides_on(b) {
+                let (controls_b, weights_b) = scratch.rows.weights_in(side_b);
+                for (&b, weight_b) in controls_b.iter().zip(weights_b) {
+                    let there = deformable.coordinate_of_control(b as usize);
+                    if let Some(unknown) = deformable.unknown(there) {
+                        sum += sign_a * sign_b * weight_a * weight_b * column[unknown];
+                    }
+                }
+            }
+        }
+    }
+    sum
+}
+
+/// A deforming body at the beginning of its step, and how the step is taken.
+pub(super) struct Step {
+    body: usize,
+    before: DeformableState,
+    field: Field,
+    matrix: Option<&'static str>,
+    fall_back: Option<FallBack>,
+}
+
+/// The steps of a tick whose contact has been solved.
+pub(super) fn steps(scene: &Scene, state: &SceneState, scratch: &Scratch) -> Vec<Step> {
+    let deforming = (0..scene.bodies.len()).filter_map(|body| {
+        let deformable = scene.deformable(body)?;
+        let parts = scratch.bodies[body].deforming.as_ref()?;
+        let fall_back = deformable.fall_back(&parts.deformable);
+        Some(Step {
+            body,
+            before: state.bodies[body].deformable.clone()?,
+            field: deformable.field(&parts.deformable),
+            matrix: match fall_back {
+                Some(FallBack::Firmer) => Some("firmer"),
+                Some(FallBack::Bounding) => Some("bounding"),
+                _ => deformable.step_matrix(),
+            },
+            fall_back,
+        })
+    });
+    deforming.collect()
+}
+
+/// How those steps ended.
+pub(super) fn of_bodies(
+    scene: &Scene,
+    state: &SceneState,
+    moved: bool,
+    steps: Vec<Step>,
+) -> Vec<BodyExplained> {
+    let norm = |forces: &[Vector3]| forces.iter().map(Vector3::norm_squared).sum::<f64>().sqrt();
+    let ended = steps.into_iter().filter_map(|step| {
+        let body = &state.bodies[step.body];
+        let (deformable, after) = (scene.deformable(step.body)?, body.deformable.as_ref()?);
+        // Of several ticks a step, the last ends it.
+        let ends = moved && body.phase == 0;
+        let residual = ends.then(|| deformable.residual(&step.before, after, step.field));
+        Some(BodyExplained {
+            body: scene.body_id(step.body).to_owned(),
+            residual_n: residual.flatten().map(|forces| norm(&forces)),
+            contact_n: norm(&after.contact_n),
+            matrix: step.matrix,
+            fall_back: step.fall_back,
+        })
+    });
+    ended.collect()
+}

@@ -1,0 +1,141 @@
+//! `palpate explain`: why the forces of a recorded tick are what they are.
+
+use super::Outcome;
+use crate::recording::{Session, explain};
+use palpate_sim::body::FallBack;
+use palpate_sim::tick::explain::{BodyExplained, Explanation, RowExplained, ToolExplained};
+use palpate_sim::tick::flags;
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+#[derive(clap::Args, Debug)]
+pub struct Args {
+    /// Recording file.
+    file: PathBuf,
+    /// The tick.
+    #[arg(long, value_name = "TICK")]
+    tick: u64,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    let session = Session::open_any(&args.file)?.with_outputs()?;
+    let explanation = explain(&session, args.tick)?;
+    match args.json {
+        true => println!("{}", serde_json::to_string(&explanation)?),
+        false => print!("{}", words(&explanation)),
+    }
+    Ok(Outcome::Ok)
+}
+
+/// An explanation for people.
+pub fn words(explanation: &Explanation) -> String {
+    let Explanation {
+        tick,
+        quality,
+        tools,
+        rows,
+        bodies,
+    } = explanation;
+    let mut out = format!("tick {tick}");
+    if *quality > 0 {
+        let _ = write!(out, ", quality lowered to level {quality}");
+    }
+    out.push('\n');
+    tools.iter().for_each(|tool| tell_tool(&mut out, tool));
+    rows.iter().for_each(|row| tell_row(&mut out, row));
+    if rows.is_empty() {
+        out.push_str("nothing touches\n");
+    }
+    bodies.iter().for_each(|body| tell_body(&mut out, body));
+    out
+}
+
+fn norm(v: &[f64; 3]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+fn tell_tool(out: &mut String, tool: &ToolExplained) {
+    let ToolExplained {
+        tool: id,
+        force_n,
+        contact_force_n,
+        borne,
+        flags: bits,
+    } = tool;
+    let _ = write!(out, "tool {id}: force {:.6} N", norm(force_n));
+    if force_n != contact_force_n {
+        let _ = write!(
+            out,
+            ", of its contacts {:.6} N, of which the device gets {:.1} %",
+            norm(contact_force_n),
+            borne * 1e2
+        );
+    }
+    for (bit, name) in [
+        (flags::DEGRADED, "degraded"),
+        (flags::WITHHELD, "withheld: it was seated inside a body"),
+        (flags::RAMPING, "ramping"),
+        (flags::SATURATED, "saturated"),
+    ] {
+        if bits & bit != 0 {
+            let _ = write!(out, "; {name}");
+        }
+    }
+    out.push('\n');
+}
+
+fn tell_row(out: &mut String, row: &RowExplained) {
+    let [x, y, z] = row.point_m;
+    let kind = if row.grip { " (grip)" } else { "" };
+    let _ = writeln!(
+        out,
+        "row {} on {}{kind} at {x:.6} {y:.6} {z:.6} m: gap {:.6} mm, after free motion {:.6} mm",
+        row.holder,
+        row.body,
+        row.gap_m * 1e3,
+        row.gap_free_m * 1e3
+    );
+    let parties = row.compliance_m_per_n.by_party.iter();
+    let parties: Vec<String> = parties
+        .map(|(party, m_per_n)| format!("{party} {:.6}", m_per_n * 1e3))
+        .collect();
+    let _ = writeln!(
+        out,
+        "    gives way {:.6} mm/N ({}): {:.6} N along its normal, {:.6} N across, {:.1e} mm left",
+        row.compliance_m_per_n.sum * 1e3,
+        parties.join(", "),
+        row.force_n,
+        norm(&row.tangent_n),
+        row.residual_m * 1e3
+    );
+}
+
+fn tell_body(out: &mut String, body: &BodyExplained) {
+    let BodyExplained {
+        body: id,
+        residual_n,
+        contact_n,
+        matrix,
+        fall_back,
+    } = body;
+    let _ = write!(out, "body {id}: ");
+    match residual_n {
+        Some(residual_n) => {
+            let _ = write!(
+                out,
+                "{residual_n:.3e} N left of its equation, beside contact forces of {contact_n:.3e} N"
+            );
+        }
+        None => out.push_str("its step did not end in this tick, or has no equation to be held to"),
+    }
+    if let Some(matrix) = matrix {
+        let _ = write!(out, "; matrix: {matrix}");
+    }
+    if let Some(FallBack::CellsHeld(cells)) = fall_back {
+        let _ = write!(out, "; forces of {cells} cells are held back");
+    }
+    out.push('\n');
+}
