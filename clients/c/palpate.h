@@ -377,6 +377,11 @@ static inline size_t palpate_tool_pose_key(char *out, size_t room, const char *i
  * No force: the tool was seated inside a body, and its contact force was not small once since then.
  */
 #define PALPATE_FORCE_FLAGS_WITHHELD 256u
+/*
+ * The force is less accurate than the scene asks for: the step of a body that the tool presses fell
+ * back to another matrix or held cells back, or quality is lowered.
+ */
+#define PALPATE_FORCE_FLAGS_DEGRADED 512u
 
 /* The force a hand should feel: wrench on the tool, world axes, at the tool's reference point. */
 typedef struct palpate_tool_force {
@@ -1170,7 +1175,11 @@ enum {
   /*
    * A tool was seated inside a body: it gives no force until its contact force has been small once.
    */
-  PALPATE_EVENT_KIND_FORCE_WITHHELD = 15
+  PALPATE_EVENT_KIND_FORCE_WITHHELD = 15,
+  /* A tool's force is less accurate than the scene asks for, from now on. */
+  PALPATE_EVENT_KIND_FORCE_DEGRADED = 16,
+  /* A tool's force is as accurate as the scene asks for again. */
+  PALPATE_EVENT_KIND_FORCE_RESTORED = 17
 };
 
 typedef struct palpate_event_kind {
@@ -1240,11 +1249,23 @@ typedef struct palpate_event_kind {
       /* Tool id. */
       palpate_text tool;
     } force_withheld;
+    struct {
+      /* Tool id. */
+      palpate_text tool;
+      /* What is done instead. */
+      palpate_text reason;
+    } force_degraded;
+    struct {
+      /* Tool id. */
+      palpate_text tool;
+      /* In how many ticks it was not. */
+      uint64_t ticks;
+    } force_restored;
   } as;
 } palpate_event_kind;
 
 static inline void palpate_event_kind_read(palpate_reader *reader, palpate_event_kind *out) {
-  out->number = palpate_read_case(reader, 16);
+  out->number = palpate_read_case(reader, 18);
   switch (out->number) {
     case PALPATE_EVENT_KIND_TOOL_JOINED:
       out->as.tool_joined.tool = palpate_read_text(reader);
@@ -1287,6 +1308,14 @@ static inline void palpate_event_kind_read(palpate_reader *reader, palpate_event
       break;
     case PALPATE_EVENT_KIND_FORCE_WITHHELD:
       out->as.force_withheld.tool = palpate_read_text(reader);
+      break;
+    case PALPATE_EVENT_KIND_FORCE_DEGRADED:
+      out->as.force_degraded.tool = palpate_read_text(reader);
+      out->as.force_degraded.reason = palpate_read_text(reader);
+      break;
+    case PALPATE_EVENT_KIND_FORCE_RESTORED:
+      out->as.force_restored.tool = palpate_read_text(reader);
+      out->as.force_restored.ticks = palpate_read_varint(reader, 64);
       break;
     default:
       break;
@@ -1337,6 +1366,14 @@ static inline void palpate_event_kind_write(palpate_writer *writer, const palpat
       break;
     case PALPATE_EVENT_KIND_FORCE_WITHHELD:
       palpate_write_text(writer, in->as.force_withheld.tool);
+      break;
+    case PALPATE_EVENT_KIND_FORCE_DEGRADED:
+      palpate_write_text(writer, in->as.force_degraded.tool);
+      palpate_write_text(writer, in->as.force_degraded.reason);
+      break;
+    case PALPATE_EVENT_KIND_FORCE_RESTORED:
+      palpate_write_text(writer, in->as.force_restored.tool);
+      palpate_write_varint(writer, in->as.force_restored.ticks);
       break;
     default:
       break;

@@ -91,7 +91,7 @@ fn hex(bytes: &[u8]) -> String {
 }
 
 /// Names of the bits of `flags` of a force, lowest first.
-const FORCE_FLAGS: [(u32, &str); 9] = [
+const FORCE_FLAGS: [(u32, &str); 10] = [
     (force_flags::STALE, "STALE"),
     (force_flags::SATURATED, "SATURATED"),
     (force_flags::PAUSED, "PAUSED"),

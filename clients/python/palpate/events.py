@@ -139,6 +139,26 @@ class ForceWithheld:
     """Tool id."""
 
 
+@dataclass(frozen=True)
+class ForceDegraded:
+    """A tool's force is less accurate than the scene asks for, from now on."""
+
+    tool: str
+    """Tool id."""
+    reason: str
+    """What is done instead."""
+
+
+@dataclass(frozen=True)
+class ForceRestored:
+    """A tool's force is as accurate as the scene asks for again."""
+
+    tool: str
+    """Tool id."""
+    ticks: U64
+    """In how many ticks it was not."""
+
+
 #: What happened. May grow at its end: skip an event that raises :class:`palpate.UnknownCase`.
 EventKind = Union[
     Reset,
@@ -157,12 +177,16 @@ EventKind = Union[
     RecordFailed,
     SceneChanged,
     ForceWithheld,
+    ForceDegraded,
+    ForceRestored,
 ]
 
 __all__ = [
     "DeviceTold",
     "EventKind",
     "Fault",
+    "ForceDegraded",
+    "ForceRestored",
     "ForceWithheld",
     "Overrun",
     "Paused",

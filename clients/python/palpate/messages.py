@@ -65,6 +65,10 @@ class ForceFlags(enum.IntFlag):
     """A damper was added to keep the loop from making energy."""
     WITHHELD = 256
     """No force: the tool was seated inside a body, and its contact force was not small once since then."""
+    DEGRADED = 512
+    """The force is less accurate than the scene asks for: the step of a body that the tool presses fell back to another
+    matrix or held cells back, or quality is lowered.
+    """
 
 
 @dataclass(frozen=True)

@@ -90,5 +90,19 @@ export const EventKind = cases({
     /** Tool id. */
     tool: text,
   }),
+  /** A tool's force is less accurate than the scene asks for, from now on. */
+  ForceDegraded: struct({
+    /** Tool id. */
+    tool: text,
+    /** What is done instead. */
+    reason: text,
+  }),
+  /** A tool's force is as accurate as the scene asks for again. */
+  ForceRestored: struct({
+    /** Tool id. */
+    tool: text,
+    /** In how many ticks it was not. */
+    ticks: u64,
+  }),
 });
 export type EventKind = Value<typeof EventKind>;

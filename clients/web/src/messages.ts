@@ -62,6 +62,11 @@ export const ForceFlags = {
   DAMPED: 128,
   /** No force: the tool was seated inside a body, and its contact force was not small once since then. */
   WITHHELD: 256,
+  /**
+   * The force is less accurate than the scene asks for: the step of a body that the tool presses fell back to another
+   * matrix or held cells back, or quality is lowered.
+   */
+  DEGRADED: 512,
 } as const;
 
 /** The force a hand should feel: wrench on the tool, world axes, at the tool's reference point. */
