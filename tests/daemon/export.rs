@@ -313,7 +313,7 @@ fn a_recorded_force_is_explained_and_a_tick_that_is_not_there_is_named() {
         assert_eq!(code, 0, "tick {tick}: {told}");
         serde_json::from_str::<serde_json::Value>(&out).unwrap()
     };
-    let mut touching = 0;
+    let (mut touching, mut touched) = (0, String::new());
     for record in kept.ticks.iter().step_by(23).chain(kept.ticks.last()) {
         let (output, tick) = (&record.output, record.output.tick);
         let explanation = explained(tick);
@@ -335,10 +335,11 @@ fn a_recorded_force_is_explained_and_a_tick_that_is_not_there_is_named() {
                 "tick {tick}: {row}"
             );
             touching += 1;
+            touched = tick.to_string();
         }
     }
     assert!(touching > 10, "{touching} rows");
-    let (out, _, code) = palpate(&["explain", file.to_str().unwrap(), "--tick", "300"]);
+    let (out, _, code) = palpate(&["explain", file.to_str().unwrap(), "--tick", &touched]);
     assert!(
         code == 0 && out.contains("left of its equation") && out.contains("tool:"),
         "{out}"

@@ -154,7 +154,7 @@ fn solve_rows(scene: &Scene, state: &SceneState, scratch: &mut Scratch, start: S
     if is_whole(scene, scratch) {
         return solve_whole(scene, state, scratch, start);
     }
-    let mut warm = state.warm[..state.warm_len].iter().peekable();
+    let mut warm = state.warm.rows().iter().peekable();
     for (i, row) in scratch.rows.rows.iter().enumerate() {
         // Both lists are ordered by it.
         while warm.next_if(|old| old.id < row.id).is_some() {}
@@ -208,7 +208,7 @@ fn hold_by_rigid(scene: &Scene, state: &SceneState, scratch: &mut Scratch, tool:
 fn solve_whole(scene: &Scene, state: &SceneState, scratch: &mut Scratch, start: Start) {
     let count = scratch.rows.rows.len();
     scratch.sticks.clear();
-    let mut warm = state.warm[..state.warm_len].iter().peekable();
+    let mut warm = state.warm.rows().iter().peekable();
     for i in 0..count {
         let row = scratch.rows.rows[i];
         // Both lists are ordered by it.
@@ -281,9 +281,7 @@ fn solve_whole(scene: &Scene, state: &SceneState, scratch: &mut Scratch, start: 
 /// Part of its pair's drag that a row has: as much as it carried of the pair's force in the last
 /// tick.
 fn share_of_drag(state: &SceneState, scratch: &Scratch, row: &Row, force_n: f64) -> f64 {
-    let warm = state.warm[..state.warm_len]
-        .iter()
-        .filter(|old| old.id.pair == row.id.pair);
+    let warm = state.warm.of_pair(row.id.pair as usize);
     let whole: f64 = warm.map(|old| old.force_n.max(0.0)).sum();
     if whole > 0.0 {
         return force_n.max(0.0) / whole;

@@ -202,7 +202,7 @@ pub(super) fn bodies(
             .filter(|_| views.iter().all(Option::is_none)),
         side: contacts.first().map_or(1.0, side_of),
     };
-    let warm = &state.warm[..state.warm_len];
+    let warm = state.warm.rows();
     meeting.push_feet(rows, contacts, warm);
 }
 

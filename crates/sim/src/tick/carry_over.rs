@@ -1,6 +1,6 @@
 //! What goes on when one scene becomes another between two ticks.
 
-use super::state::{PairState, SceneState, WarmRow};
+use super::state::{PairState, SceneState};
 use crate::scene::{Origin, Scene};
 use palpate_geometry::math::Vector3;
 
@@ -50,7 +50,6 @@ impl Scene {
             new.grip = Default::default();
         }
         state.pairs.fill(PairState::default());
-        state.warm.fill(WarmRow::default());
-        (state.warm_len, state.warm_friction, state.warm_arms) = (0, false, false);
+        state.warm.forget();
     }
 }

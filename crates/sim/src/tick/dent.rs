@@ -24,8 +24,8 @@ pub(super) fn touch(
         return;
     }
     let Scratch { rows, touches, .. } = scratch;
-    let mut warm = (state.warm[..state.warm_len].iter())
-        .filter(|old| old.id.pair as usize == p && !old.id.key.is_anchor())
+    let mut warm = (state.warm.of_pair(p))
+        .filter(|old| !old.id.key.is_anchor())
         .peekable();
     let (mut carried_n, mut force_n) = (0.0, 0.0);
     let (mut carrying, mut touching) = (Place::default(), Place::default());

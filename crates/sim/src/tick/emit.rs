@@ -5,7 +5,7 @@ use super::feet::margin_m;
 use super::flight::is_between_rigid;
 use super::record::{ContactReport, TickFault, TickOutput, ToolOutput};
 use super::{SceneState, Scratch, ToolState, WarmRow, flags};
-use super::{degraded, grip, load, lying, rest, stick};
+use super::{degraded, grip, load, lying, stick};
 use crate::haptics::{LinkPhase, Motion, RenderedForce, Wrench, limit};
 use crate::scene::{BodyModel, Scene};
 use crate::solve::friction::FrictionLaw;
@@ -221,10 +221,9 @@ fn is_near(scene: &Scene, row: &Row, gap_m: f64) -> bool {
 
 /// Forces of all rows on the bodies, and the warm start of the next tick.
 fn load_bodies(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) {
-    state.warm_len = 0;
+    state.warm.begin();
     let rubs = |kept: &WarmRow| scene.pairs[kept.id.pair as usize].friction.is_some();
-    state.warm_friction = scratch.friction.is_active() || scratch.rest.rows.iter().any(rubs);
-    state.warm_arms = false;
+    state.warm.friction = scratch.friction.is_active() || scratch.rest.rows.iter().any(rubs);
     for i in 0..scratch.rows.rows.len() {
         let row = scratch.rows.rows[i];
         let turns = row
@@ -234,7 +233,7 @@ fn load_bodies(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) {
         if !lasts {
             continue;
         }
-        state.warm_arms |= turns;
+        state.warm.arms |= turns;
         let (Row { u, v, on_tool, .. }, force_n) = (row, scratch.problem.forces()[i]);
         let on_tool = match turns || row.id.key.is_foot() {
             true => lying::on_holder(scene, scratch, &row).unwrap_or(on_tool),
@@ -256,9 +255,8 @@ fn load_bodies(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) {
             warm.slips = scratch.friction.slips(i);
             warm.stick = stick::kept(i, scratch);
         }
-        state.warm[state.warm_len] = warm;
-        state.warm_len += 1;
+        state.warm.push(warm);
         load::push_bodies(scene, scratch, i, |_| true);
     }
-    rest::merge(state, &scratch.rest);
+    state.warm.merge(&scratch.rest.rows);
 }

@@ -226,7 +226,7 @@ fn ball(
         every,
         beside_m: beside_m(&scene.tools[t].shape, body.size_m),
     };
-    let warm = &state.warm[..state.warm_len];
+    let warm = state.warm.rows();
     push_feet(rows, p, pair, feet, warm, parts, &view, &tool, way, look);
 }
 
@@ -420,7 +420,7 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
             push_sample(rows, p, pair, hit, &view, way, margin);
         }
     }
-    let warm = &state.warm[..state.warm_len];
+    let warm = state.warm.rows();
     let edges_known = tool.shape.features().is_some();
     if view.is_none() && (edges_known || tool.coupling.turns()) {
         let side = if proxy.below { -1.0 } else { 1.0 };

@@ -10,7 +10,7 @@ use super::Scratch;
 use super::feet::margin_m;
 use super::flight::{Gives, is_between_rigid, on_holder as place_on_holder};
 use super::scratch::BodyScratch;
-use super::state::WarmRow;
+use super::warm::WarmRow;
 use crate::scene::Scene;
 use crate::solve::rows::{Holder, Row};
 use palpate_geometry::contact::{Contact, ToolPoint};

@@ -39,12 +39,14 @@ pub mod stage;
 mod state;
 mod step;
 mod stick;
+mod warm;
 
 pub use flight::{Flight, RigidMotion};
 pub use frame::FrameState;
 pub use late::late_step;
 pub use rigid::{Course, RigidState, Sent};
 pub use scratch::{BodyScratch, Scratch};
-pub use state::{BodyState, PairState, Pipeline, RunState, SceneState, ToolState, WarmRow};
+pub use state::{BodyState, PairState, Pipeline, RunState, SceneState, ToolState};
 pub(crate) use step::depths_at_start;
 pub use step::{apply, deform, hash, render, restore, step, step_explained, step_into};
+pub use warm::{Warm, WarmRow};

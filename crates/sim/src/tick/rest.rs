@@ -141,7 +141,7 @@ pub(super) fn lies(scene: &Scene, state: &SceneState, scratch: &Scratch, pair: &
 /// Keeps the rows of a pair that is left alone, and sees to it that they can be reported.
 pub(super) fn keep(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize) {
     let own = |row: &&WarmRow| row.id.pair as usize == p;
-    (scratch.rest.rows).extend(state.warm[..state.warm_len].iter().filter(own));
+    scratch.rest.rows.extend(state.warm.of_pair(p));
     if scratch.rest.reported[p] {
         return;
     }
@@ -181,25 +181,5 @@ pub(super) fn keep(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch,
 pub(super) fn wake(scratch: &mut Scratch, p: usize) {
     if std::mem::take(&mut scratch.rest.reported[p]) {
         scratch.rest.reports.retain(|(pair, _)| *pair != p as u32);
-    }
-}
-
-/// Puts the rows of pairs that are left alone among those of the tick.
-pub(super) fn merge(state: &mut SceneState, rest: &Rest) {
-    // From behind: both lists are ordered, and the warm rows have room.
-    let (mut from, mut kept) = (state.warm_len, rest.rows.len());
-    let most = state.warm.len();
-    let mut to = (from + kept).min(most);
-    kept = to - from;
-    state.warm_len = to;
-    while kept > 0 {
-        to -= 1;
-        if from > 0 && state.warm[from - 1].id > rest.rows[kept - 1].id {
-            from -= 1;
-            state.warm[to] = state.warm[from];
-        } else {
-            kept -= 1;
-            state.warm[to] = rest.rows[kept];
-        }
     }
 }

@@ -3,13 +3,12 @@
 use super::frame::FrameState;
 use super::quality;
 use super::rigid::RigidState;
+use super::warm::Warm;
 use crate::body::{DeformableState, Field};
 use crate::haptics::{DeviceBounds, Link, Port};
 use crate::scene::{BodyModel, Scene};
-use crate::solve::friction::Stick;
 use crate::solve::grip::{GRAB, GripState};
 use crate::solve::proxy::ProxyState;
-use crate::solve::row_key::{RowId, RowKey};
 use palpate_geometry::math::{Coded, Point3, Rotation, StateSize, Vector3, state_size};
 use palpate_geometry::stateful;
 use palpate_geometry::surface::WarmFoot;
@@ -49,15 +48,8 @@ pub struct SceneState {
     pub frame: FrameState,
     /// A tool carries the bodies.
     pub(crate) carried: bool,
-    /// (rows of a tick at most, [`Scene::most_rows`]): contact forces of the last tick, the
-    /// solver's warm start; `warm_len` are valid.
-    pub warm: Vec<WarmRow>,
-    /// Valid entries of `warm`.
-    pub warm_len: usize,
-    /// Some of them had friction or a grip.
-    pub warm_friction: bool,
-    /// Some of them are of tools that may turn.
-    pub warm_arms: bool,
+    /// Contact forces of the last tick.
+    pub warm: Warm,
 }
 
 /// State of a body.
@@ -134,26 +126,6 @@ pub struct PairState {
     pub thinned: u8,
 }
 
-/// A contact force to start from.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct WarmRow {
-    /// Which row of the last tick it was.
-    pub id: RowId,
-    /// Where it is on the body; kept for feet, which have no sample to say so.
-    pub uv: [f64; 2],
-    /// Along the normal, N.
-    pub force_n: f64,
-    /// Across it, N.
-    pub tangent_n: Vector3,
-    /// Where it sticks, unless it slips.
-    pub stick: Stick,
-    /// It slipped.
-    pub slips: bool,
-    /// Where on the tool, from its reference point in its frame, m; kept for feet, and for all rows
-    /// of tools that may turn.
-    pub on_tool: Vector3,
-}
-
 impl Scene {
     /// The state at the start.
     pub fn initial_state(&self) -> SceneState {
@@ -212,10 +184,7 @@ impl Scene {
             pairs: vec![PairState::default(); self.pairs.len()],
             frame: FrameState::default(),
             carried: self.frame.is_some(),
-            warm: vec![WarmRow::default(); self.most_rows()],
-            warm_len: 0,
-            warm_friction: false,
-            warm_arms: false,
+            warm: Warm::with_room(self.most_rows()),
         }
     }
 }
@@ -232,10 +201,7 @@ impl Clone for SceneState {
             pairs: Vec::new(),
             frame: FrameState::default(),
             carried: false,
-            warm: Vec::new(),
-            warm_len: 0,
-            warm_friction: false,
-            warm_arms: false,
+            warm: Warm::with_room(0),
         };
         copy.clone_from(self);
         copy
@@ -254,9 +220,6 @@ impl Clone for SceneState {
             frame,
             carried,
             warm,
-            warm_len,
-            warm_friction,
-            warm_arms,
         } = self;
         (*tick, *run) = (from.tick, from.run);
         (*quality, *faulted) = (from.quality, from.faulted);
@@ -265,8 +228,6 @@ impl Clone for SceneState {
         pairs.clone_from(&from.pairs);
         (*frame, *carried) = (from.frame, from.carried);
         warm.clone_from(&from.warm);
-        (*warm_len, *warm_friction, *warm_arms) =
-            (from.warm_len, from.warm_friction, from.warm_arms);
     }
 }
 
@@ -349,11 +310,7 @@ impl SceneState {
     /// Size of the largest state of this scene: contact rows and grips come and go.
     pub fn largest_size(&self) -> StateSize {
         let mut largest = self.clone();
-        (largest.warm_len, largest.warm_friction, largest.warm_arms) =
-            (largest.warm.len(), true, true);
-        for row in &mut largest.warm {
-            row.id.key = RowKey::Foot(0);
-        }
+        largest.warm.fill();
         for tool in &mut largest.tools {
             tool.link.pose.buttons |= GRAB;
             tool.grip = GripState::full();
@@ -400,9 +357,6 @@ stateful!(SceneState, |this, walk| {
         frame,
         carried,
         warm,
-        warm_len,
-        warm_friction,
-        warm_arms,
     } = this;
     walk.word(tick)?;
     walk.packed(
@@ -427,40 +381,7 @@ stateful!(SceneState, |this, walk| {
     if *carried {
         walk.part(frame)?;
     }
-    walk.packed(
-        "number of contact rows",
-        [(0, warm_len), (32, warm_friction), (33, warm_arms)],
-    )?;
-    let count = *warm_len as u64;
-    walk.ensure(*warm_len <= warm.len(), "number of contact rows", count)?;
-    for (_, row) in std::iter::zip(0..*warm_len, warm) {
-        walk.clear(row)?;
-        let WarmRow {
-            id: RowId { pair, key },
-            uv,
-            force_n,
-            tangent_n,
-            stick: Stick { u, v, offset },
-            slips,
-            on_tool,
-        } = row;
-        walk.coded("pair of a contact row", pair)?;
-        walk.coded("key of a contact row", key)?;
-        walk.float(force_n)?;
-        if key.is_foot() {
-            walk.floats(uv)?;
-        }
-        if *warm_arms || key.is_foot() {
-            walk.vector(on_tool)?;
-        }
-        if *warm_friction {
-            walk.coded("slip of a contact row", slips)?;
-            walk.vector(tangent_n)?;
-            walk.float(u)?;
-            walk.float(v)?;
-            walk.vector(offset)?;
-        }
-    }
+    walk.part(warm)?;
     Ok(())
 });
 

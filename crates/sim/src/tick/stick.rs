@@ -22,8 +22,7 @@ pub(super) fn coefficient(scene: &Scene, state: &SceneState, p: usize) -> f64 {
     let Some(friction) = scene.pairs[p].friction else {
         return 0.0;
     };
-    let slips = |row: &WarmRow| row.id.pair as usize == p && row.slips;
-    if state.warm[..state.warm_len].iter().any(slips) {
+    if state.warm.of_pair(p).any(|row| row.slips) {
         friction.mu_kinetic
     } else {
         friction.mu

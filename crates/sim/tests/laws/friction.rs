@@ -489,7 +489,7 @@ fn a_world_restored_while_it_sticks_goes_on_to_the_bit() {
         for k in 0..700 {
             world.at(place(k));
         }
-        assert!(world.state.warm_friction && world.state.warm_len > 0);
+        assert!(world.state.warm.friction && !world.state.warm.rows().is_empty());
         let mut saved = SavedState::default();
         saved.save_from(&world.state);
         let mut again = World::new(&text);

@@ -261,7 +261,10 @@ fn a_shaken_grip_stays_calm_and_within_its_force() {
         let out = world.all(&[(place, if k % 2_500 < 2_450 { GRAB } else { 0 })]);
         assert!(out.fault.is_none() && out.tools[0].force_n.iter().all(|f| f.is_finite()));
         held += usize::from(out.tools[0].flags & flags::GRABBING != 0);
-        let gripped: f64 = world.state.warm[..world.state.warm_len]
+        let gripped: f64 = world
+            .state
+            .warm
+            .rows()
             .iter()
             .filter(|row| matches!(row.id.key, RowKey::Anchor(_)))
             .map(|row| (row.force_n * row.force_n + row.tangent_n.norm_squared()).sqrt())

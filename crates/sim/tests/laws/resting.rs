@@ -76,7 +76,7 @@ fn a_body_that_lies_on_another_is_left_alone_with_its_forces() {
     let mass = world.scene.deformable(1).unwrap().mass_kg();
     come_to_rest(&mut world);
     let before = net(&world);
-    let warm = world.state.warm_len;
+    let warm = world.state.warm.rows().len();
     for _ in 0..500 {
         let output = world.at_in_place(HIGH).clone();
         let total: Vector3 = output.contacts.list().iter().map(|c| c.force_n).sum();
@@ -97,7 +97,7 @@ fn a_body_that_lies_on_another_is_left_alone_with_its_forces() {
         );
     }
     assert_eq!(net(&world), before, "it moved");
-    assert_eq!(world.state.warm_len, warm, "forces were forgotten");
+    assert_eq!(world.state.warm.rows().len(), warm, "forces were forgotten");
 
     // A tool comes near: the body steps again, from where it was, and is pressed.
     let mut force = 0.0;

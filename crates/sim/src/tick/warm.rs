@@ -1,0 +1,168 @@
+//! Contact forces of the last tick: where solves start, and what contacts remember.
+
+use crate::solve::friction::Stick;
+use crate::solve::row_key::{RowId, RowKey};
+use palpate_geometry::math::Vector3;
+use palpate_geometry::stateful;
+
+/// A contact force to start from.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WarmRow {
+    /// Which row of the last tick it was.
+    pub id: RowId,
+    /// Where it is on the body; kept for feet, which have no sample to say so.
+    pub uv: [f64; 2],
+    /// Along the normal, N.
+    pub force_n: f64,
+    /// Across it, N.
+    pub tangent_n: Vector3,
+    /// Where it sticks, unless it slips.
+    pub stick: Stick,
+    /// It slipped.
+    pub slips: bool,
+    /// Where on the tool, from its reference point in its frame, m; kept for feet, and for all rows
+    /// of tools that may turn.
+    pub on_tool: Vector3,
+}
+
+/// Rows of the last tick that carried or may carry soon, ordered by their ids.
+#[derive(Debug, PartialEq)]
+pub struct Warm {
+    /// (rows of a tick at most): `len` are valid.
+    rows: Vec<WarmRow>,
+    len: usize,
+    /// Some of them had friction or a grip.
+    pub friction: bool,
+    /// Some of them are of tools that may turn.
+    pub arms: bool,
+}
+
+impl Warm {
+    /// None yet, with room for so many.
+    pub(super) fn with_room(most: usize) -> Self {
+        Self {
+            rows: vec![WarmRow::default(); most],
+            len: 0,
+            friction: false,
+            arms: false,
+        }
+    }
+
+    /// All of them.
+    pub fn rows(&self) -> &[WarmRow] {
+        &self.rows[..self.len]
+    }
+
+    /// Those of a pair.
+    pub fn of_pair(&self, pair: usize) -> impl Iterator<Item = &WarmRow> + Clone {
+        let own = move |row: &&WarmRow| row.id.pair as usize == pair;
+        self.rows().iter().filter(own)
+    }
+
+    /// No rows, and no trace of them.
+    pub(super) fn forget(&mut self) {
+        self.rows.fill(WarmRow::default());
+        (self.len, self.friction, self.arms) = (0, false, false);
+    }
+
+    /// No rows; what follows is pushed in order.
+    pub(super) fn begin(&mut self) {
+        (self.len, self.friction, self.arms) = (0, false, false);
+    }
+
+    /// The next one.
+    pub(super) fn push(&mut self, row: WarmRow) {
+        debug_assert!(
+            self.rows().last().is_none_or(|last| last.id < row.id),
+            "rows that are kept are out of order"
+        );
+        self.rows[self.len] = row;
+        self.len += 1;
+    }
+
+    /// Puts others, in order, among them; those that find no room are left out.
+    pub(super) fn merge(&mut self, others: &[WarmRow]) {
+        // From behind: both lists are ordered, and there is room.
+        let (mut from, mut kept) = (self.len, others.len());
+        let mut to = (from + kept).min(self.rows.len());
+        kept = to - from;
+        self.len = to;
+        while kept > 0 {
+            to -= 1;
+            if from > 0 && self.rows[from - 1].id > others[kept - 1].id {
+                from -= 1;
+                self.rows[to] = self.rows[from];
+            } else {
+                kept -= 1;
+                self.rows[to] = others[kept];
+            }
+        }
+    }
+
+    /// As long as can be.
+    pub(super) fn fill(&mut self) {
+        (self.len, self.friction, self.arms) = (self.rows.len(), true, true);
+        for row in &mut self.rows {
+            row.id.key = RowKey::Foot(0);
+        }
+    }
+}
+
+impl Clone for Warm {
+    fn clone(&self) -> Self {
+        Self {
+            rows: self.rows.clone(),
+            ..*self
+        }
+    }
+
+    /// Allocates nothing between those of one scene.
+    fn clone_from(&mut self, from: &Self) {
+        self.rows.clone_from(&from.rows);
+        (self.len, self.friction, self.arms) = (from.len, from.friction, from.arms);
+    }
+}
+
+stateful!(Warm, |this, walk| {
+    let Warm {
+        rows,
+        len,
+        friction,
+        arms,
+    } = this;
+    walk.packed(
+        "number of contact rows",
+        [(0, len), (32, friction), (33, arms)],
+    )?;
+    let count = *len as u64;
+    walk.ensure(*len <= rows.len(), "number of contact rows", count)?;
+    for (_, row) in std::iter::zip(0..*len, rows) {
+        walk.clear(row)?;
+        let WarmRow {
+            id: RowId { pair, key },
+            uv,
+            force_n,
+            tangent_n,
+            stick: Stick { u, v, offset },
+            slips,
+            on_tool,
+        } = row;
+        walk.coded("pair of a contact row", pair)?;
+        walk.coded("key of a contact row", key)?;
+        walk.float(force_n)?;
+        if key.is_foot() {
+            walk.floats(uv)?;
+        }
+        if *arms || key.is_foot() {
+            walk.vector(on_tool)?;
+        }
+        if *friction {
+            walk.coded("slip of a contact row", slips)?;
+            walk.vector(tangent_n)?;
+            walk.float(u)?;
+            walk.float(v)?;
+            walk.vector(offset)?;
+        }
+    }
+    Ok(())
+});
