@@ -9,6 +9,7 @@
 //! friction          the same for forces with three components: Coulomb's cone, grips
 //! grip              what a tool holds on to while it grabs
 //! hold              what holds a tool that only translates, exactly
+//! solver            all of it for a tick
 //! sharing, cones    how several rigid contacts of one tool share its force
 //! ```
 
@@ -24,3 +25,4 @@ pub mod row_key;
 pub mod rows;
 pub mod sharing;
 pub mod side;
+pub mod solver;

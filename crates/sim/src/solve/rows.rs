@@ -9,7 +9,7 @@ use super::friction::FrictionLaw;
 use super::row_key::RowId;
 use palpate_geometry::basis::BasisWindow;
 use palpate_geometry::contact::{ContactSamples, Facing, Weights};
-use palpate_geometry::math::{Point3, Rotation, Vector3};
+use palpate_geometry::math::{Point3, Vector3};
 use palpate_geometry::surface::Surface;
 
 /// Most tools of a scene.
@@ -130,14 +130,6 @@ pub struct RowSet {
     scratch: Weights,
     /// Where the rows of the present pair begin.
     pair_start: usize,
-    /// By tool: where free motion of the coupling takes the proxy, m.
-    pub free: Vec<Point3>,
-    /// By tool: how free motion of the coupling turns the proxy.
-    pub free_turns: Vec<Rotation>,
-    /// By tool: the proxy held back by the surfaces as they stand, m.
-    pub proxies: Vec<Point3>,
-    /// By tool: share of its contact forces that the limiter let through.
-    pub factors: Vec<f64>,
     /// Most rows.
     most: usize,
 }
@@ -150,8 +142,8 @@ pub fn most_rows(parties: usize) -> usize {
 }
 
 impl RowSet {
-    /// Room for `most` rows of `tools` tools on surfaces whose points have at most `width` weights.
-    pub fn new(most: usize, tools: usize, width: usize) -> Self {
+    /// Room for `most` rows on surfaces whose points have at most `width` weights.
+    pub fn new(most: usize, width: usize) -> Self {
         // Two sides a row.
         let room = 2 * most * width;
         Self {
@@ -163,10 +155,6 @@ impl RowSet {
                 weights: Vec::with_capacity(width),
             },
             pair_start: 0,
-            free: vec![Point3::origin(); tools],
-            free_turns: vec![Rotation::identity(); tools],
-            proxies: vec![Point3::origin(); tools],
-            factors: vec![0.0; tools],
             most,
         }
     }

@@ -93,7 +93,7 @@ pub(super) fn release(
         let small_n = SMALL_N.min(SMALL_SHARE * limits.force_max_n);
         let link = &mut state.tools[t].link;
         let flags = &mut output.tools[t].flags;
-        if load::pushes_n(scratch, t) <= small_n {
+        if load::pushes_n(&scratch.rows.rows, &scratch.solver, t) <= small_n {
             link.release(&limits, wanted);
             if link.limit_n != link.goal_n(&limits, wanted) {
                 *flags |= flags::RAMPING;

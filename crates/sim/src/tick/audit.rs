@@ -10,14 +10,10 @@ use palpate_geometry::math::{Point3, Vector3};
 impl Scratch {
     /// Force of all contacts of the last tick on a body, N.
     pub fn contact_force_on(&self, body: usize) -> Vector3 {
-        let whole = self.friction.is_active();
         let mut sum = Vector3::zeros();
         for (i, row) in self.rows.rows.iter().enumerate() {
-            let force = match whole {
-                true => self.friction.force_n(i),
-                false => row.normal * self.problem.forces()[i],
-            };
-            let factor = row.tool().map_or(1.0, |tool| self.rows.factors[tool]);
+            let force = self.solver.force_n(i, row);
+            let factor = row.tool().map_or(1.0, |tool| self.tools[tool].borne);
             if row.body as usize == body {
                 sum -= force * factor;
             }

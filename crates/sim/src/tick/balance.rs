@@ -22,6 +22,7 @@ use crate::solve::friction::{FrictionLaw, Lever};
 use crate::solve::hold::{Barrier, hold};
 use crate::solve::rows::{Holder, Row};
 use crate::solve::sharing::{Share, share};
+use crate::solve::solver::Solver;
 use palpate_geometry::math::Vector3;
 
 /// Rows up to which soft modes are added to the matrix.
@@ -51,8 +52,8 @@ enum Start {
 /// Solves for the force of every row.
 pub(super) fn solve(scene: &Scene, state: &SceneState, scratch: &mut Scratch) {
     let count = scratch.rows.rows.len();
-    scratch.problem.begin(count);
-    scratch.friction.clear();
+    scratch.solver.problem.begin(count);
+    scratch.solver.friction.clear();
     if count == 0 {
         return;
     }
@@ -73,7 +74,7 @@ pub(super) fn solve(scene: &Scene, state: &SceneState, scratch: &mut Scratch) {
                 if turning > 0.0 && !whole {
                     moved += twist.dot(&b.arm.cross(&b.normal));
                 }
-                scratch.problem.row_mut(i)[j] = moved;
+                scratch.solver.problem.row_mut(i)[j] = moved;
             }
         }
     }
@@ -88,13 +89,13 @@ pub(super) fn solve(scene: &Scene, state: &SceneState, scratch: &mut Scratch) {
             add_free_body(b, &gives, whole, scratch);
         }
     }
-    dent::settle(scratch);
+    dent::settle(&mut scratch.rows, &mut scratch.solver);
     if !whole {
         add_indentations(scratch);
     }
     for i in 0..count {
-        let own = scratch.problem.entry(i, i);
-        scratch.problem.row_mut(i)[i] = own + own * scratch.rows.rows[i].ease;
+        let own = scratch.solver.problem.entry(i, i);
+        scratch.solver.problem.row_mut(i)[i] = own + own * scratch.rows.rows[i].ease;
     }
     solve_rows(scene, state, scratch, Start::LastTick);
 }
@@ -161,11 +162,12 @@ fn solve_rows(scene: &Scene, state: &SceneState, scratch: &mut Scratch, start: S
         let old = warm.next_if(|old| old.id == row.id);
         let force = match start {
             Start::LastTick => old.map_or(0.0, |old| old.force_n),
-            Start::Here => scratch.problem.forces()[i],
+            Start::Here => scratch.solver.problem.forces()[i],
         };
-        scratch.problem.set(i, row.gap_m, force);
+        scratch.solver.problem.set(i, row.gap_m, force);
     }
     scratch
+        .solver
         .problem
         .solve(sweeps(scene, state, &scratch.rows.rows));
     for tool in 0..scene.tools.len() {
@@ -176,12 +178,10 @@ fn solve_rows(scene: &Scene, state: &SceneState, scratch: &mut Scratch, start: S
 
 /// A tool that only translates and touches nothing that gives way is held exactly.
 fn hold_by_rigid(scene: &Scene, state: &SceneState, scratch: &mut Scratch, tool: usize) {
-    let Scratch {
-        rows,
-        problem,
-        barriers,
-        ..
-    } = scratch;
+    let Scratch { rows, solver, .. } = scratch;
+    let Solver {
+        problem, barriers, ..
+    } = solver;
     let coupling = scene.tools[tool].coupling_for(&state.tools[tool].bounds);
     let own = |row: &&Row| row.tool() == Some(tool);
     let is_firm = |row: &Row| scene.bodies[row.body as usize].is_firm();
@@ -207,7 +207,7 @@ fn hold_by_rigid(scene: &Scene, state: &SceneState, scratch: &mut Scratch, tool:
 /// Solves for forces of three components.
 fn solve_whole(scene: &Scene, state: &SceneState, scratch: &mut Scratch, start: Start) {
     let count = scratch.rows.rows.len();
-    scratch.sticks.clear();
+    scratch.solver.sticks.clear();
     let mut warm = state.warm.rows().iter().peekable();
     for i in 0..count {
         let row = scratch.rows.rows[i];
@@ -221,7 +221,7 @@ fn solve_whole(scene: &Scene, state: &SceneState, scratch: &mut Scratch, start: 
             ..
         } = old.copied().unwrap_or_default();
         let (slip, stuck) = stick::slip(scene, scratch, &row, old);
-        scratch.sticks.push(stuck);
+        scratch.solver.sticks.push(stuck);
         let (law, free) = match row.law {
             FrictionLaw::Push {
                 mu,
@@ -247,15 +247,18 @@ fn solve_whole(scene: &Scene, state: &SceneState, scratch: &mut Scratch, start: 
         };
         match start {
             Start::LastTick => {
-                scratch
-                    .friction
-                    .push(&row.normal, &free, law, &(row.normal * force_n + tangent_n));
+                scratch.solver.friction.push(
+                    &row.normal,
+                    &free,
+                    law,
+                    &(row.normal * force_n + tangent_n),
+                );
                 if let Some(tool) = row
                     .tool()
                     .filter(|&tool| scene.tools[tool].coupling.turns())
                 {
                     let compliance_rad_nm = scene.tools[tool].coupling.turning_compliance_rad_nm();
-                    scratch.friction.set_lever(&Lever {
+                    scratch.solver.friction.set_lever(&Lever {
                         tool,
                         arm: row.arm,
                         compliance_rad_nm,
@@ -263,18 +266,21 @@ fn solve_whole(scene: &Scene, state: &SceneState, scratch: &mut Scratch, start: 
                 }
                 give_modes(scene, scratch, &row);
             }
-            Start::Here => scratch.friction.set_free(i, &free),
+            Start::Here => scratch.solver.friction.set_free(i, &free),
         }
     }
-    scratch.friction.solve(
-        scratch.problem.matrix(),
+    scratch.solver.friction.solve(
+        scratch.solver.problem.matrix(),
         sweeps(scene, state, &scratch.rows.rows),
     );
     for tool in 0..scene.tools.len() {
         share_whole_among_rigid(scene, state, scratch, tool);
     }
     for i in 0..count {
-        scratch.problem.set_force(i, scratch.friction.normal_n(i));
+        scratch
+            .solver
+            .problem
+            .set_force(i, scratch.solver.friction.normal_n(i));
     }
 }
 
@@ -298,12 +304,10 @@ fn share_of_drag(state: &SceneState, scratch: &Scratch, row: &Row, force_n: f64)
 /// [`share_among_rigid`] with friction and grips. A grip counts as deep as its part of the force
 /// means to the coupling.
 fn share_whole_among_rigid(scene: &Scene, state: &SceneState, scratch: &mut Scratch, tool: usize) {
-    let Scratch {
-        rows,
-        friction,
-        cones,
-        ..
-    } = scratch;
+    let Scratch { rows, solver, .. } = scratch;
+    let Solver {
+        friction, cones, ..
+    } = solver;
     let coupling = scene.tools[tool].coupling_for(&state.tools[tool].bounds);
     if coupling.turns() {
         return;
@@ -359,12 +363,10 @@ fn rigid_rows<'a>(
 /// Rows of a tool on bodies that do not give way share their force by depth; balance does not say
 /// how.
 fn share_among_rigid(scene: &Scene, state: &SceneState, scratch: &mut Scratch, tool: usize) {
-    let Scratch {
-        rows,
-        problem,
-        shares,
-        ..
-    } = scratch;
+    let Scratch { rows, solver, .. } = scratch;
+    let Solver {
+        problem, shares, ..
+    } = solver;
     let coupling = scene.tools[tool].coupling_for(&state.tools[tool].bounds);
     if coupling.turns() {
         // Moments count: the solve has shared.
@@ -400,11 +402,13 @@ fn share_among_rigid(scene: &Scene, state: &SceneState, scratch: &mut Scratch, t
 fn add_body_compliance(body: usize, deformable: &Deformable, whole: bool, scratch: &mut Scratch) {
     let Scratch {
         rows,
-        problem,
-        delassus,
+        solver,
         bodies,
         ..
     } = scratch;
+    let Solver {
+        problem, delassus, ..
+    } = solver;
     let Some(deforming) = &bodies[body].deforming else {
         return;
     };
@@ -435,12 +439,12 @@ fn add_body_compliance(body: usize, deformable: &Deformable, whole: bool, scratc
 
 /// Adds how far balls go in beyond what nets show; where forces have three components, that is a mode.
 fn add_indentations(scratch: &mut Scratch) {
-    let Scratch {
-        rows,
+    let Scratch { rows, solver, .. } = scratch;
+    let Solver {
         problem,
         indentations,
         ..
-    } = scratch;
+    } = solver;
     for (i, a) in rows.rows.iter().enumerate() {
         let dent = &indentations[a.id.pair as usize];
         if dent.slope_m_n == 0.0 {
@@ -457,8 +461,8 @@ fn add_indentations(scratch: &mut Scratch) {
 
 /// Adds what a free rigid body gives way; with friction only what it shifts, its turns are modes.
 fn add_free_body(body: usize, gives: &Gives, whole: bool, scratch: &mut Scratch) {
-    let Scratch { rows, problem, .. } = scratch;
-    let rows = &rows.rows;
+    let Scratch { rows, solver, .. } = scratch;
+    let (rows, problem) = (&rows.rows, &mut solver.problem);
     for (i, a) in rows.iter().enumerate() {
         for (sign_a, _) in a.sides_on(body) {
             let turn = match whole {
@@ -492,9 +496,10 @@ pub(super) fn modes_of_row(
     let Scratch {
         bodies,
         rows,
-        mode_moves,
+        solver,
         ..
     } = scratch;
+    let mode_moves = &mut solver.mode_moves;
     let Some(deforming) = &bodies[body].deforming else {
         return false;
     };
@@ -521,23 +526,23 @@ fn add_soft_modes(body: usize, deformable: &Deformable, scratch: &mut Scratch) {
     for i in 0..count {
         let row = scratch.rows.rows[i];
         let moved = modes_of_row(body, deformable, scratch, &row);
-        let along = &mut scratch.modes_along[i * modes..(i + 1) * modes];
-        for (along, moves) in along.iter_mut().zip(&scratch.mode_moves) {
+        let along = &mut scratch.solver.modes_along[i * modes..(i + 1) * modes];
+        for (along, moves) in along.iter_mut().zip(&scratch.solver.mode_moves) {
             *along = if moved { moves.dot(&row.normal) } else { 0.0 };
         }
     }
     let gains = deformable.mode_gains();
     for i in 0..count {
-        let first = &scratch.modes_along[i * modes..(i + 1) * modes];
+        let first = &scratch.solver.modes_along[i * modes..(i + 1) * modes];
         for j in 0..=i {
-            let second = &scratch.modes_along[j * modes..(j + 1) * modes];
+            let second = &scratch.solver.modes_along[j * modes..(j + 1) * modes];
             let mut entry = 0.0;
             for ((a, b), gain) in first.iter().zip(second).zip(gains) {
                 entry += a * b * gain;
             }
-            scratch.problem.row_mut(i)[j] += entry;
+            scratch.solver.problem.row_mut(i)[j] += entry;
             if i != j {
-                scratch.problem.row_mut(j)[i] += entry;
+                scratch.solver.problem.row_mut(j)[i] += entry;
             }
         }
     }
@@ -553,7 +558,10 @@ fn give_modes(scene: &Scene, scratch: &mut Scratch, row: &Row) {
                 for (sign, _) in row.sides_on(b) {
                     let moves = gives.moves(&gives.arm(row));
                     for (k, (moves, gain)) in moves.iter().zip(gives.turn_rad_nm).enumerate() {
-                        scratch.friction.add_turn(first + k, gain, &(moves * sign));
+                        scratch
+                            .solver
+                            .friction
+                            .add_turn(first + k, gain, &(moves * sign));
                     }
                 }
                 first += TURNS;
@@ -562,21 +570,26 @@ fn give_modes(scene: &Scene, scratch: &mut Scratch, row: &Row) {
         };
         let deformable = &model.deformable;
         if deformable.mode_count() > 0 && modes_of_row(b, deformable, scratch, row) {
-            let moves = scratch.mode_moves.iter().zip(deformable.mode_gains());
+            let moves = scratch
+                .solver
+                .mode_moves
+                .iter()
+                .zip(deformable.mode_gains());
             for (k, (moves, gain)) in moves.enumerate() {
-                scratch.friction.add_mode(first + k, *gain, moves);
+                scratch.solver.friction.add_mode(first + k, *gain, moves);
             }
         }
         first += deformable.mode_count();
     }
     let pair = row.id.pair as usize;
-    let dent = &scratch.indentations[pair];
+    let dent = &scratch.solver.indentations[pair];
     if dent.slope_m_n > 0.0 && !row.id.key.is_anchor() {
         scratch
+            .solver
             .friction
             .add_mode(first + pair, dent.slope_m_n, &dent.normal);
     }
-    scratch.friction.bound_turns();
+    scratch.solver.friction.bound_turns();
 }
 
 /// How much a force of one row moves another, in terms of what their places give way.

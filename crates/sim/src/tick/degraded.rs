@@ -1,7 +1,7 @@
 //! Forces that are less accurate than the scene asks for.
 
 use super::record::TickOutput;
-use super::{Scratch, flags, load, quality};
+use super::{Scratch, flags, quality};
 use crate::scene::{BodyModel, Scene};
 use crate::solve::rows::Holder;
 
@@ -28,7 +28,7 @@ pub(super) fn mark(scene: &Scene, scratch: &mut Scratch, output: &mut TickOutput
             let (a, holder) = (row.body as usize, row.holder);
             if let Holder::Body(b) = holder
                 && scratch.degraded[a] != scratch.degraded[b as usize]
-                && load::carries(scratch, i)
+                && scratch.solver.carries(i)
             {
                 (scratch.degraded[a], scratch.degraded[b as usize], more) = (true, true, true);
             }
@@ -41,7 +41,7 @@ pub(super) fn mark(scene: &Scene, scratch: &mut Scratch, output: &mut TickOutput
         let row = &scratch.rows.rows[i];
         if let Some(t) = row.tool()
             && (level >= quality::FEWER_SWEEPS || scratch.degraded[row.body as usize])
-            && load::carries(scratch, i)
+            && scratch.solver.carries(i)
         {
             output.tools[t].flags |= flags::DEGRADED;
         }

@@ -3,6 +3,8 @@
 use super::{SceneState, Scratch};
 use crate::scene::{BodyModel, Scene};
 use crate::solve::indentation::{Indentation, Resolution, Touch};
+use crate::solve::rows::RowSet;
+use crate::solve::solver::Solver;
 use palpate_geometry::math::Vector3;
 
 /// Finds where a pair whose rows stand touches.
@@ -23,7 +25,7 @@ pub(super) fn touch(
     if model.resolution.is_empty() {
         return;
     }
-    let Scratch { rows, touches, .. } = scratch;
+    let Scratch { rows, solver, .. } = scratch;
     let mut warm = (state.warm.of_pair(p))
         .filter(|old| !old.id.key.is_anchor())
         .peekable();
@@ -48,7 +50,7 @@ pub(super) fn touch(
     let Some((resolution, normal)) = place.mean() else {
         return;
     };
-    touches[p] = Touch {
+    solver.touches[p] = Touch {
         radius_m,
         place: resolution,
         normal,
@@ -57,14 +59,13 @@ pub(super) fn touch(
 }
 
 /// Finds how far balls go in, once it is known how the rows give way, and lets their gaps know.
-pub(super) fn settle(scratch: &mut Scratch) {
-    let Scratch {
-        rows,
+pub(super) fn settle(rows: &mut RowSet, solver: &mut Solver) {
+    let Solver {
         problem,
         touches,
         indentations,
         ..
-    } = scratch;
+    } = solver;
     indentations.fill(Indentation::default());
     let mut start = 0;
     for of_pair in rows.rows.chunk_by_mut(|a, b| a.id.pair == b.id.pair) {

@@ -31,7 +31,7 @@ pub(super) fn emit(
         }
         let coupling = tool.coupling_for(&tool_state.bounds);
         let ball = tool.shape.ball_radius_m().is_some();
-        let free = scratch.rows.free[t];
+        let free = scratch.tools[t].free;
         let (force, torque) = load::wrench(scene, state, scratch, t);
         let tool_state = &mut state.tools[t];
         let let_go = tool_state.link.has_let_go();
@@ -47,7 +47,7 @@ pub(super) fn emit(
         }
         let held = free + force * coupling.compliance_m_n();
         let turn = torque * coupling.turning_compliance_rad_nm();
-        let turned = rotation_by(&turn) * scratch.rows.free_turns[t];
+        let turned = rotation_by(&turn) * scratch.tools[t].free_turn;
         // A saturated coupling lets the device in further than the balance knows: a ball then stays
         // on the surface as it stands; other shapes see at the next tick how far they are in.
         let guarded = ball
@@ -58,10 +58,10 @@ pub(super) fn emit(
         // A grip holds it where it is whatever the device bears.
         let whole = (factor == 1.0 || !guarded || tool_state.grip.holds())
             && held.iter().all(|x| x.is_finite());
-        tool_state.proxy = if whole { held } else { scratch.rows.proxies[t] };
+        tool_state.proxy = if whole { held } else { scratch.tools[t].proxy };
         tool_state.orientation = match coupling.turns() && turn.iter().all(|x| x.is_finite()) {
             true => turned,
-            false => scratch.rows.free_turns[t],
+            false => scratch.tools[t].free_turn,
         };
         let lifted = turn_between(&tool_state.link.pose.orientation, &tool_state.orientation);
         let device = tool_state.link.pose.position;
@@ -72,9 +72,9 @@ pub(super) fn emit(
             .enumerate()
             .filter(|(_, row)| own(row) && !let_go)
         {
-            let lambda = scratch.problem.forces()[i];
-            let (carries, push) = if scratch.friction.is_active() {
-                let push = scratch.friction.force_n(i);
+            let lambda = scratch.solver.problem.forces()[i];
+            let (carries, push) = if scratch.solver.is_whole() {
+                let push = scratch.solver.friction.force_n(i);
                 (push != Vector3::zeros(), push * factor)
             } else {
                 (lambda > 0.0, row.normal * (lambda * factor))
@@ -83,8 +83,8 @@ pub(super) fn emit(
                 continue;
             }
             out.contact_count += 1;
-            let depth_m =
-                row.normal.dot(&(held - device + lifted.cross(&row.arm))) - scratch.gap_after(i);
+            let depth_m = row.normal.dot(&(held - device + lifted.cross(&row.arm)))
+                - scratch.solver.gap_after(i);
             let report = report(row, depth_m, push);
             if out.contact.is_none_or(|deepest| depth_m > deepest.depth_m) {
                 out.contact = Some(report);
@@ -106,7 +106,7 @@ pub(super) fn emit(
         (out.proxy_position, out.proxy_orientation) = (tool_state.proxy, tool_state.orientation);
         (out.energy_j, out.dissipated_j) =
             (tool_state.port.energy_j(), tool_state.port.dissipated_j());
-        scratch.rows.factors[t] = factor;
+        scratch.tools[t].borne = factor;
     }
     for (i, row) in scratch
         .rows
@@ -115,16 +115,13 @@ pub(super) fn emit(
         .enumerate()
         .filter(|(_, row)| row.tool().is_none())
     {
-        let lambda = scratch.problem.forces()[i];
+        let lambda = scratch.solver.problem.forces()[i];
         if lambda > 0.0 {
-            let push = if scratch.friction.is_active() {
-                scratch.friction.force_n(i)
-            } else {
-                row.normal * lambda
-            };
-            output
-                .contacts
-                .push(report(row, -scratch.gap_after(i), push), scene.tools.len());
+            let push = scratch.solver.force_n(i, row);
+            output.contacts.push(
+                report(row, -scratch.solver.gap_after(i), push),
+                scene.tools.len(),
+            );
         }
     }
     for (_, report) in &scratch.rest.reports {
@@ -223,18 +220,18 @@ fn is_near(scene: &Scene, row: &Row, gap_m: f64) -> bool {
 fn load_bodies(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) {
     state.warm.begin();
     let rubs = |kept: &WarmRow| scene.pairs[kept.id.pair as usize].friction.is_some();
-    state.warm.friction = scratch.friction.is_active() || scratch.rest.rows.iter().any(rubs);
+    state.warm.friction = scratch.solver.is_whole() || scratch.rest.rows.iter().any(rubs);
     for i in 0..scratch.rows.rows.len() {
         let row = scratch.rows.rows[i];
         let turns = row
             .tool()
             .is_some_and(|tool| scene.tools[tool].coupling.turns());
-        let lasts = load::carries(scratch, i) || is_near(scene, &row, scratch.gap_after(i));
+        let lasts = scratch.solver.carries(i) || is_near(scene, &row, scratch.solver.gap_after(i));
         if !lasts {
             continue;
         }
         state.warm.arms |= turns;
-        let (Row { u, v, on_tool, .. }, force_n) = (row, scratch.problem.forces()[i]);
+        let (Row { u, v, on_tool, .. }, force_n) = (row, scratch.solver.problem.forces()[i]);
         let on_tool = match turns || row.id.key.is_foot() {
             true => lying::on_holder(scene, scratch, &row).unwrap_or(on_tool),
             false => Vector3::zeros(),
@@ -250,9 +247,9 @@ fn load_bodies(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) {
             on_tool,
             ..WarmRow::default()
         };
-        if scratch.friction.is_active() {
-            warm.tangent_n = scratch.friction.tangent_n(i);
-            warm.slips = scratch.friction.slips(i);
+        if scratch.solver.is_whole() {
+            warm.tangent_n = scratch.solver.friction.tangent_n(i);
+            warm.slips = scratch.solver.friction.slips(i);
             warm.stick = stick::kept(i, scratch);
         }
         state.warm.push(warm);

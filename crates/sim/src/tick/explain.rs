@@ -112,7 +112,7 @@ pub(super) fn of_contact(
             tool: scene.tool_id(t).to_owned(),
             force_n: out.force_n.into(),
             contact_force_n: out.contact_force_n.into(),
-            borne: scratch.rows.factors[t],
+            borne: scratch.tools[t].borne,
             flags: out.flags,
         }
     });
@@ -132,19 +132,22 @@ pub(super) fn of_contact(
 fn explain_row(scene: &Scene, state: &SceneState, scratch: &mut Scratch, i: usize) -> RowExplained {
     let row = scratch.rows.rows[i];
     let compliance = compliance(scene, state, scratch, &row);
-    let whole = scratch.friction.is_active();
+    let whole = scratch.solver.is_whole();
     // With friction, turns, soft modes and near fields are kept beside the matrix.
-    let solved = scratch.problem.entry(i, i);
+    let solved = scratch.solver.problem.entry(i, i);
     debug_assert!(
         whole || (compliance.sum - solved).abs() <= 1e-9 * solved,
         "row {i}: the parties give way by {} m/N, the solve by {solved}",
         compliance.sum
     );
     let (force_n, tangent_n) = match whole {
-        true => (scratch.friction.normal_n(i), scratch.friction.tangent_n(i)),
-        false => (scratch.problem.forces()[i], Vector3::zeros()),
+        true => (
+            scratch.solver.friction.normal_n(i),
+            scratch.solver.friction.tangent_n(i),
+        ),
+        false => (scratch.solver.problem.forces()[i], Vector3::zeros()),
     };
-    let after_m = scratch.gap_after(i);
+    let after_m = scratch.solver.gap_after(i);
     let holder = match row.holder {
         Holder::Tool(tool) => scene.tool_id(tool as usize),
         Holder::Body(body) => scene.body_id(body as usize),
@@ -194,9 +197,13 @@ fn compliance(
             BodyModel::Deforming(model) => {
                 let deformable = &model.deformable;
                 let modes = match balance::modes_of_row(b, deformable, scratch, row) {
-                    true => (scratch.mode_moves.iter().zip(deformable.mode_gains()))
-                        .map(|(moves, gain)| gain * moves.dot(&row.normal).powi(2))
-                        .sum(),
+                    true => (scratch
+                        .solver
+                        .mode_moves
+                        .iter()
+                        .zip(deformable.mode_gains()))
+                    .map(|(moves, gain)| gain * moves.dot(&row.normal).powi(2))
+                    .sum(),
                     false => 0.0,
                 };
                 modes + surface_compliance(b, deformable, scratch, row)
@@ -209,7 +216,7 @@ fn compliance(
         };
         add(format!("body:{}", scene.body_id(b)), m_per_n);
     }
-    let dent = &scratch.indentations[row.id.pair as usize];
+    let dent = &scratch.solver.indentations[row.id.pair as usize];
     if !row.id.key.is_anchor() {
         add(
             "near_field".to_owned(),

@@ -203,8 +203,8 @@ pub(super) fn load_on(scratch: &Scratch, body: usize, gives: &Gives) -> (Vector3
     let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
     for (i, row) in scratch.rows.rows.iter().enumerate() {
         for (sign, _) in row.sides_on(body) {
-            if load::carries(scratch, i) {
-                let push = load::on_bodies(scratch, i) * sign;
+            if scratch.solver.carries(i) {
+                let push = load::on_bodies(row, i, &scratch.solver, &scratch.tools) * sign;
                 force += push;
                 moment += gives.arm(row).cross(&push);
             }

@@ -48,16 +48,16 @@ const SAME: f64 = 1e-6;
 /// unless bodies stand still in this tick.
 pub(super) fn gather(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, moving: bool) {
     scratch.rows.clear();
-    scratch.touches.fill(Touch::default());
+    scratch.solver.touches.fill(Touch::default());
     for (t, tool) in scene.tools.iter().enumerate() {
         let link = &state.tools[t].link;
         let coupling = tool.coupling_for(&state.tools[t].bounds);
         let free =
             coupling.free_position(&link.pose.position, &link.velocity(), &state.tools[t].proxy);
-        scratch.rows.free[t] = free;
-        scratch.rows.proxies[t] = free;
+        scratch.tools[t].free = free;
+        scratch.tools[t].proxy = free;
         let (device, rate) = (&link.pose.orientation, &link.angular_velocity());
-        scratch.rows.free_turns[t] =
+        scratch.tools[t].free_turn =
             coupling.free_orientation(device, rate, &state.tools[t].orientation);
     }
     super::near::find(scene, state, scratch);
@@ -114,7 +114,7 @@ pub(super) fn gather(scene: &Scene, state: &mut SceneState, scratch: &mut Scratc
 /// The point of a pair's holder that says on which side of the body it is, m.
 fn reference(scratch: &Scratch, pair: &Pair) -> Point3 {
     match pair.holder {
-        Holder::Tool(t) => scratch.rows.free[t as usize],
+        Holder::Tool(t) => scratch.tools[t as usize].free,
         Holder::Body(other) => scratch.bodies[other as usize].surface.net().points()[0],
     }
 }
@@ -129,6 +129,7 @@ fn ball(
     radius_m: f64,
 ) {
     let Scratch {
+        tools,
         bodies,
         pairs,
         rows,
@@ -138,13 +139,13 @@ fn ball(
     let pair = &scene.pairs[p];
     let body = &scene.bodies[pair.body];
     let parts = &mut bodies[pair.body];
-    let (free, margin) = (rows.free[t], margin_m(radius_m, body.size_m));
+    let (free, margin) = (tools[t].free, margin_m(radius_m, body.size_m));
     // Free motion of the body may close a gap within the tick.
     let closing = moving(body, parts);
     let near = margin + closing;
     let last = state.tools[t].proxy;
     let touched = state.pairs[p].proxy.touching;
-    let mut target = rows.proxies[t];
+    let mut target = tools[t].proxy;
     if state.tools[t].grip.holds() {
         // Held where it is, not where the device pulls it.
         target = last;
@@ -159,7 +160,7 @@ fn ball(
         state.bodies[pair.body].moved_m,
         proxy,
     );
-    rows.proxies[t] = held.centre;
+    tools[t].proxy = held.centre;
     if held.gap_m >= near {
         *thinned = 0;
         return;
@@ -302,6 +303,7 @@ impl Stand {
 /// Tools other than balls, and all on the `spheres` method.
 fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize, t: usize) {
     let Scratch {
+        tools,
         bodies,
         pairs,
         rows,
@@ -312,8 +314,8 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
     let (tool, body) = (&scene.tools[t], &scene.bodies[pair.body]);
     let parts = &mut bodies[pair.body];
     let free = Stand {
-        place: rows.free[t],
-        rotation: rows.free_turns[t],
+        place: tools[t].free,
+        rotation: tools[t].free_turn,
     };
     let margin = margin_m(0.0, body.size_m);
     // Free motion of the body may close a gap within the tick.

@@ -55,7 +55,12 @@ pub(super) fn push_anchors(
     p: usize,
     t: usize,
 ) {
-    let Scratch { bodies, rows, .. } = scratch;
+    let Scratch {
+        tools,
+        bodies,
+        rows,
+        ..
+    } = scratch;
     let ToolState { proxy, grip, .. } = &state.tools[t];
     let pair = &scene.pairs[p];
     let (body, parts) = (&scene.bodies[pair.body], &bodies[pair.body]);
@@ -70,10 +75,10 @@ pub(super) fn push_anchors(
         .filter(|anchor| anchor.pair as usize == p)
     {
         let on_body = parts.surface.point(anchor.u, anchor.v);
-        let arm = rows.free_turns[t] * anchor.offset;
+        let arm = tools[t].free_turn * anchor.offset;
         let share = scene.tools[t].grip_n * grip.part();
         let limit_n = share * strength(apart_m(&(proxy + arm), &on_body), body.size_m);
-        let on_tool = rows.free[t] + arm;
+        let on_tool = tools[t].free + arm;
         let normal = parts.surface.normal(anchor.u, anchor.v) * side;
         // A row needs some direction to be reported by, even at a pole.
         let normal = if normal.iter().all(|x| x.is_finite()) {
@@ -125,7 +130,7 @@ pub(super) fn take(
             );
             row.tool() == Some(t)
                 && matches!(row.law, FrictionLaw::Push { .. })
-                && scratch.gap_after(*i) < margin
+                && scratch.solver.gap_after(*i) < margin
         };
         let all = || scratch.rows.rows.iter().enumerate().filter(touches);
         // Evenly over all of them when there are too many.

@@ -24,7 +24,7 @@ pub(super) fn iterate(scene: &Scene, state: &SceneState, scratch: &mut Scratch) 
     for iteration in 1..most {
         load::limit_tools(scene, state, scratch);
         for i in 0..scratch.rows.rows.len() {
-            if load::carries(scratch, i) {
+            if scratch.solver.carries(i) {
                 load::push_bodies(scene, scratch, i, |model| of(model) > iteration);
             }
         }

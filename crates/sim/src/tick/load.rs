@@ -1,11 +1,13 @@
 //! What the rows' forces come to: a wrench on each tool, and forces on the control points of
 //! bodies.
 
+use super::scratch::ToolScratch;
 use super::{SceneState, Scratch, ToolState};
 use crate::haptics::{LinkPhase, limit};
 use crate::scene::{BodyModel, DeformingBody, Scene, Tool};
 use crate::solve::friction::FrictionLaw;
 use crate::solve::rows::{Holder, Row};
+use crate::solve::solver::Solver;
 use palpate_geometry::math::{Point3, Vector3};
 
 /// Force (N) and torque (N m) of the rows on a tool, about its reference point.
@@ -15,13 +17,17 @@ pub(super) fn wrench(
     scratch: &Scratch,
     t: usize,
 ) -> (Vector3, Vector3) {
-    if scratch.friction.is_active() {
+    if scratch.solver.is_whole() {
         return whole_wrench(scene, state, scratch, t);
     }
     let turns = scene.tools[t].coupling.turns();
     let ball = scene.tools[t].shape.ball_radius_m().is_some();
     let (mut force, mut torque) = (Vector3::zeros(), Vector3::zeros());
-    let rows = scratch.rows.rows.iter().zip(scratch.problem.forces());
+    let rows = scratch
+        .rows
+        .rows
+        .iter()
+        .zip(scratch.solver.problem.forces());
     for (row, &lambda) in rows.filter(|(row, _)| row.tool() == Some(t)) {
         let push = row.normal * lambda;
         force += push;
@@ -29,7 +35,7 @@ pub(super) fn wrench(
             // As the solve turned it.
             torque += row.arm.cross(&push);
         } else if !ball {
-            torque += (row.point - scratch.rows.free[t]).cross(&push);
+            torque += (row.point - scratch.tools[t].free).cross(&push);
         }
     }
     (force, torque)
@@ -43,7 +49,13 @@ fn whole_wrench(
     scratch: &Scratch,
     t: usize,
 ) -> (Vector3, Vector3) {
-    let Scratch { rows, friction, .. } = scratch;
+    let Scratch {
+        tools,
+        rows,
+        solver,
+        ..
+    } = scratch;
+    let friction = &solver.friction;
     let own = || {
         rows.rows
             .iter()
@@ -61,8 +73,8 @@ fn whole_wrench(
         );
     }
     let ball = scene.tools[t].shape.ball_radius_m().is_some();
-    let held: Point3 = rows.free[t] + force * coupling.compliance_m_n();
-    let centre = if ball { held } else { rows.free[t] };
+    let held: Point3 = tools[t].free + force * coupling.compliance_m_n();
+    let centre = if ball { held } else { tools[t].free };
     let turns = |i: usize, row: &Row| match row.law {
         FrictionLaw::Push { .. } if ball => friction.tangent_n(i),
         _ => friction.force_n(i),
@@ -74,12 +86,12 @@ fn whole_wrench(
 }
 
 /// Sum of the sizes of the forces of the rows on a tool, N.
-pub(super) fn pushes_n(scratch: &Scratch, t: usize) -> f64 {
-    let own = scratch.rows.rows.iter().enumerate();
+pub(super) fn pushes_n(rows: &[Row], solver: &Solver, t: usize) -> f64 {
+    let own = rows.iter().enumerate();
     let own = own.filter(|(_, row)| row.tool() == Some(t));
-    own.map(|(i, _)| match scratch.friction.is_active() {
-        true => scratch.friction.force_n(i).norm(),
-        false => scratch.problem.forces()[i],
+    own.map(|(i, _)| match solver.is_whole() {
+        true => solver.friction.force_n(i).norm(),
+        false => solver.problem.forces()[i],
     })
     .sum()
 }
@@ -102,29 +114,17 @@ pub(super) fn limit_tools(scene: &Scene, state: &SceneState, scratch: &mut Scrat
         if tool.link.phase != LinkPhase::Absent {
             let (force, torque) = wrench(scene, state, scratch, t);
             let limit_nm = torque_limit_nm(&scene.tools[t], tool);
-            scratch.rows.factors[t] = limit(force, torque, tool.link.limit_n, limit_nm).1;
+            scratch.tools[t].borne = limit(force, torque, tool.link.limit_n, limit_nm).1;
         }
     }
 }
 
-/// True when a row carries a force that is a number.
-pub(super) fn carries(scratch: &Scratch, i: usize) -> bool {
-    if scratch.friction.is_active() {
-        let push = scratch.friction.force_n(i);
-        push != Vector3::zeros() && push.iter().all(|x| x.is_finite())
-    } else {
-        let lambda = scratch.problem.forces()[i];
-        lambda != 0.0 && lambda.is_finite()
-    }
-}
-
 /// Force of a row on its holder, N, scaled as the hand's was; its body gets the opposite.
-pub(super) fn on_bodies(scratch: &Scratch, i: usize) -> Vector3 {
-    let row = &scratch.rows.rows[i];
-    let factor = row.tool().map_or(1.0, |tool| scratch.rows.factors[tool]);
-    match scratch.friction.is_active() {
-        true => scratch.friction.force_n(i) * factor,
-        false => row.normal * (scratch.problem.forces()[i] * factor),
+pub(super) fn on_bodies(row: &Row, i: usize, solver: &Solver, tools: &[ToolScratch]) -> Vector3 {
+    let factor = row.tool().map_or(1.0, |tool| tools[tool].borne);
+    match solver.is_whole() {
+        true => solver.friction.force_n(i) * factor,
+        false => row.normal * (solver.problem.forces()[i] * factor),
     }
 }
 
@@ -137,16 +137,16 @@ pub(super) fn push_bodies(
     wanted: impl Fn(&DeformingBody) -> bool,
 ) {
     let Scratch {
+        tools,
         bodies,
         rows,
-        problem,
-        friction,
+        solver,
         ..
     } = scratch;
     let row = &rows.rows[i];
-    let factor = row.tool().map_or(1.0, |tool| rows.factors[tool]);
-    let whole = friction.is_active().then(|| friction.force_n(i));
-    let lambda = problem.forces()[i];
+    let factor = row.tool().map_or(1.0, |tool| tools[tool].borne);
+    let whole = solver.is_whole().then(|| solver.friction.force_n(i));
+    let lambda = solver.problem.forces()[i];
     let other = match row.holder {
         Holder::Body(other) if other != row.body => Some(other),
         _ => None,

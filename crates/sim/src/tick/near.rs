@@ -17,12 +17,15 @@ type Corners = (Point3, Point3);
 /// it is free to go.
 pub(super) fn find(scene: &Scene, state: &SceneState, scratch: &mut Scratch) {
     let Scratch {
-        bodies, rows, near, ..
+        tools,
+        bodies,
+        near,
+        ..
     } = scratch;
     let way_of = |t: usize| -> Option<Corners> {
         let (shape, rotation) = (&scene.tools[t].shape, state.tools[t].link.pose.orientation);
         let at = |place: Point3| shape.bounds(&Pose::from_parts(place.coords.into(), rotation));
-        let ((low, high), (free_low, free_high)) = (at(state.tools[t].proxy)?, at(rows.free[t])?);
+        let ((low, high), (free_low, free_high)) = (at(state.tools[t].proxy)?, at(tools[t].free)?);
         Some((low.inf(&free_low), high.sup(&free_high)))
     };
     let Near { marks, tree } = near;

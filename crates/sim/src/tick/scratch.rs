@@ -7,25 +7,25 @@ use super::state::{Pipeline, SceneState};
 use crate::body::DeformableScratch;
 use crate::scene::{Body, BodyModel, Pair, Scene};
 use crate::solve::complementarity::Complementarity;
-use crate::solve::cones::ConeShare;
 use crate::solve::delassus::Delassus;
-use crate::solve::friction::{FrictionProblem, Stick};
-use crate::solve::hold::Barrier;
+use crate::solve::friction::FrictionProblem;
 use crate::solve::indentation::{Indentation, Touch};
 use crate::solve::rows::{MAX_ROWS_PER_PAIR, RowSet, SampleInTouch};
-use crate::solve::sharing::Share;
 use crate::solve::side::Sided;
+use crate::solve::solver::Solver;
 use palpate_geometry::contact::broad::{BroadPhase, MAX_BOXES};
 use palpate_geometry::contact::dispatch::Narrow;
 use palpate_geometry::contact::pair::PairSide;
 use palpate_geometry::contact::spheres::Counters;
-use palpate_geometry::math::{Point3, Vector3};
+use palpate_geometry::math::{Point3, Rotation, Vector3};
 use palpate_geometry::surface::{ClosestSolver, Surface};
 
 /// Buffers of a step; nothing in it outlives a tick except what can be computed anew from the
 /// state.
 #[derive(Debug)]
 pub struct Scratch {
+    /// By tool.
+    pub(super) tools: Vec<ToolScratch>,
     /// By body.
     pub(super) bodies: Vec<BodyScratch>,
     /// By pair.
@@ -33,27 +33,9 @@ pub struct Scratch {
     pub(super) near: Near,
     pub(super) rest: Rest,
     pub(super) rows: RowSet,
-    /// By pair: a ball that touches a solid.
-    pub(super) touches: Vec<Touch>,
-    /// By pair: how far it goes in beyond what the solid's net shows.
-    pub(super) indentations: Vec<Indentation>,
     /// Samples of one pair in touch.
     pub(super) hits: Vec<SampleInTouch>,
-    pub(super) problem: Complementarity,
-    /// In use in ticks with friction or a grip.
-    pub(super) friction: FrictionProblem,
-    pub(super) cones: Vec<ConeShare>,
-    /// By row, in such ticks.
-    pub(super) sticks: Vec<Stick>,
-    /// Rigid contacts of one tool.
-    pub(super) barriers: Vec<Barrier>,
-    pub(super) shares: Vec<Share>,
-    /// Of one body after the other.
-    pub(super) delassus: Delassus,
-    /// How each soft mode of one body moves one row.
-    pub(super) mode_moves: Vec<Vector3>,
-    /// (rows × modes of one body), along the rows' normals.
-    pub(super) modes_along: Vec<f64>,
+    pub(super) solver: Solver,
     /// By body: its step does less than the scene asks for.
     pub(super) degraded: Vec<bool>,
     /// Where bodies that take several ticks step; without it they step in the tick in which they
@@ -67,17 +49,6 @@ impl Scratch {
     /// Lets bodies that take several ticks step elsewhere.
     pub fn set_pipeline(&mut self, pipeline: Box<dyn Pipeline>) {
         self.pipeline = Some(pipeline);
-    }
-
-    /// Gap of a row under the present forces, m.
-    pub(super) fn gap_after(&self, row: usize) -> f64 {
-        if self.friction.is_active() {
-            self.friction
-                .displaced_m(row)
-                .dot(&self.friction.normal(row))
-        } else {
-            self.problem.gap_after(row)
-        }
     }
 
     /// Pieces of surfaces that searches for closest points gave up so far: where that grows, an answer
@@ -100,6 +71,30 @@ impl Scratch {
                 scratch.counters()?,
             ))
         })
+    }
+}
+
+/// Buffers of a tool.
+#[derive(Clone, Debug)]
+pub(super) struct ToolScratch {
+    /// Where free motion of the coupling takes the proxy, m.
+    pub free: Point3,
+    /// How it turns it.
+    pub free_turn: Rotation,
+    /// The proxy held back by the surfaces as they stand, m.
+    pub proxy: Point3,
+    /// Share of its contact forces that the limiter lets through.
+    pub borne: f64,
+}
+
+impl Default for ToolScratch {
+    fn default() -> Self {
+        Self {
+            free: Point3::origin(),
+            free_turn: Rotation::identity(),
+            proxy: Point3::origin(),
+            borne: 0.0,
+        }
     }
 }
 
@@ -240,28 +235,31 @@ impl Scene {
             0
         };
         let mut scratch = Scratch {
+            tools: vec![ToolScratch::default(); self.tools.len()],
             bodies: bodies.collect(),
             pairs: self.pairs.iter().map(|pair| self.narrow(pair)).collect(),
             near: Near::new(self),
             rest: Rest::new(self),
-            rows: RowSet::new(most_rows, self.tools.len(), width),
-            touches: vec![Touch::default(); self.pairs.len()],
-            indentations: vec![Indentation::default(); self.pairs.len()],
+            rows: RowSet::new(most_rows, width),
             hits: Vec::with_capacity(MAX_ROWS_PER_PAIR),
-            problem: Complementarity::new(most_rows),
-            friction: FrictionProblem::new(
-                frictional_rows,
-                self.tools.len(),
-                soft_modes + turns + self.pairs.len(),
-                2 * most_modes.max(turns.min(balance::TURNS)) + 1,
-            ),
-            mode_moves: vec![Vector3::zeros(); most_modes],
-            modes_along: vec![0.0; most_rows.min(balance::MANY_ROWS) * most_modes],
-            cones: Vec::with_capacity(frictional_rows),
-            sticks: Vec::with_capacity(frictional_rows),
-            barriers: Vec::with_capacity(most_rows),
-            shares: Vec::with_capacity(most_rows),
-            delassus: Delassus::new(2 * most_rows, width, unknowns, surface),
+            solver: Solver {
+                problem: Complementarity::new(most_rows),
+                friction: FrictionProblem::new(
+                    frictional_rows,
+                    self.tools.len(),
+                    soft_modes + turns + self.pairs.len(),
+                    2 * most_modes.max(turns.min(balance::TURNS)) + 1,
+                ),
+                sticks: Vec::with_capacity(frictional_rows),
+                cones: Vec::with_capacity(frictional_rows),
+                shares: Vec::with_capacity(most_rows),
+                barriers: Vec::with_capacity(most_rows),
+                delassus: Delassus::new(2 * most_rows, width, unknowns, surface),
+                mode_moves: vec![Vector3::zeros(); most_modes],
+                modes_along: vec![0.0; most_rows.min(balance::MANY_ROWS) * most_modes],
+                touches: vec![Touch::default(); self.pairs.len()],
+                indentations: vec![Indentation::default(); self.pairs.len()],
+            },
             degraded: vec![false; self.bodies.len()],
             pipeline: None,
             start: self.initial_state(),

@@ -9,6 +9,7 @@ use super::{BodyScratch, SceneState, Scratch, WarmRow};
 use crate::scene::{Body, Scene};
 use crate::solve::friction::{FrictionLaw, Stick};
 use crate::solve::rows::{Row, RowSet};
+use crate::solve::solver::Solver;
 use palpate_geometry::math::{Point3, Rotation, Vector3};
 use palpate_geometry::surface::Surface;
 
@@ -81,15 +82,20 @@ pub(super) fn slip(
         (FrictionLaw::Grip { .. }, _) => (row.slip, Stick::default()),
         (FrictionLaw::Push { mu: 0.0, .. }, _) => (row.slip, Stick::default()),
         (FrictionLaw::Push { .. }, Some(t)) => {
-            let Scratch { bodies, rows, .. } = scratch;
+            let Scratch {
+                tools,
+                bodies,
+                rows,
+                ..
+            } = scratch;
             let (body, parts) = (&scene.bodies[row.body as usize], &bodies[row.body as usize]);
-            let free = rows.free[t];
+            let free = tools[t].free;
             // Where a ball sticks does not turn with it.
             let ball = scene.tools[t].shape.ball_radius_m().is_some();
             let turn = if ball {
                 Rotation::identity()
             } else {
-                rows.free_turns[t]
+                tools[t].free_turn
             };
             let here = predicted(rows, body, parts, row.u, row.v);
             let mut slip = row.slip;
@@ -118,12 +124,10 @@ pub(super) fn slip(
 
 /// Where a row of this tick will stick in the next, if it did not slip.
 pub(super) fn kept(i: usize, scratch: &Scratch) -> Stick {
-    let Scratch {
-        rows,
-        friction,
-        sticks,
-        ..
-    } = scratch;
+    let Scratch { rows, solver, .. } = scratch;
+    let Solver {
+        friction, sticks, ..
+    } = solver;
     if friction.slips(i) || matches!(rows.rows[i].law, FrictionLaw::Grip { .. }) {
         return Stick::default();
     }

@@ -1,0 +1,75 @@
+//! The solve of a tick: its two problems, of which one is in use, and their buffers.
+
+use super::complementarity::Complementarity;
+use super::cones::ConeShare;
+use super::delassus::Delassus;
+use super::friction::{FrictionProblem, Stick};
+use super::hold::Barrier;
+use super::indentation::{Indentation, Touch};
+use super::rows::Row;
+use super::sharing::Share;
+use palpate_geometry::math::Vector3;
+
+/// Contact forces of the rows of a tick, and what finds them.
+#[derive(Debug)]
+pub struct Solver {
+    /// Forces along the normals.
+    pub problem: Complementarity,
+    /// Forces of three components: in use in ticks with friction or a grip.
+    pub friction: FrictionProblem,
+    /// By row, in such ticks.
+    pub sticks: Vec<Stick>,
+    /// Shares of one tool's rows, in such ticks.
+    pub cones: Vec<ConeShare>,
+    /// The same in others.
+    pub shares: Vec<Share>,
+    /// Rigid contacts of one tool.
+    pub barriers: Vec<Barrier>,
+    /// Of one body after the other.
+    pub delassus: Delassus,
+    /// How each soft mode of one body moves one row.
+    pub mode_moves: Vec<Vector3>,
+    /// (rows × modes of one body), along the rows' normals.
+    pub modes_along: Vec<f64>,
+    /// By pair: a ball that touches a solid.
+    pub touches: Vec<Touch>,
+    /// By pair: how far it goes in beyond what the solid's net shows.
+    pub indentations: Vec<Indentation>,
+}
+
+impl Solver {
+    /// Forces have three components in this tick.
+    pub fn is_whole(&self) -> bool {
+        self.friction.is_active()
+    }
+
+    /// Force of a row on its holder, N.
+    pub fn force_n(&self, i: usize, row: &Row) -> Vector3 {
+        match self.is_whole() {
+            true => self.friction.force_n(i),
+            false => row.normal * self.problem.forces()[i],
+        }
+    }
+
+    /// True when a row carries a force that is a number.
+    pub fn carries(&self, i: usize) -> bool {
+        match self.is_whole() {
+            true => {
+                let push = self.friction.force_n(i);
+                push != Vector3::zeros() && push.iter().all(|x| x.is_finite())
+            }
+            false => {
+                let force_n = self.problem.forces()[i];
+                force_n != 0.0 && force_n.is_finite()
+            }
+        }
+    }
+
+    /// Gap of a row under the present forces, m.
+    pub fn gap_after(&self, i: usize) -> f64 {
+        match self.is_whole() {
+            true => self.friction.displaced_m(i).dot(&self.friction.normal(i)),
+            false => self.problem.gap_after(i),
+        }
+    }
+}
