@@ -32,7 +32,14 @@ pub(super) fn emit(
         let coupling = tool.coupling_for(&tool_state.bounds);
         let ball = tool.shape.ball_radius_m().is_some();
         let free = scratch.tools[t].free;
-        let (force, torque) = load::wrench(scene, state, scratch, t);
+        let (force, torque) = load::wrench(
+            tool,
+            tool_state,
+            t,
+            &scratch.rows.rows,
+            &scratch.solver,
+            &free,
+        );
         let tool_state = &mut state.tools[t];
         let let_go = tool_state.link.has_let_go();
         if !let_go {
@@ -250,10 +257,17 @@ fn load_bodies(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) {
         if scratch.solver.is_whole() {
             warm.tangent_n = scratch.solver.friction.tangent_n(i);
             warm.slips = scratch.solver.friction.slips(i);
-            warm.stick = stick::kept(i, scratch);
+            warm.stick = stick::kept(i, &row, &scratch.solver);
         }
         state.warm.push(warm);
-        load::push_bodies(scene, scratch, i, |_| true);
+        let Scratch {
+            tools,
+            bodies,
+            rows,
+            solver,
+            ..
+        } = scratch;
+        load::push_bodies(&scene.bodies, rows, solver, tools, bodies, i, |_| true);
     }
     state.warm.merge(&scratch.rest.rows);
 }

@@ -5,12 +5,13 @@
 //! computed here from the parties alone, beside the matrix that the solve used, and a debug build
 //! compares both.
 
+use super::balance::Balance;
 use super::record::TickOutput;
-use super::{SceneState, Scratch, balance};
+use super::{BodyScratch, BodyState};
 use crate::body::{Deformable, DeformableState, FallBack, Field};
 use crate::scene::{BodyModel, Scene};
 use crate::solve::friction::FrictionLaw;
-use crate::solve::rows::{Holder, Row};
+use crate::solve::rows::{Holder, Row, RowSet};
 use palpate_geometry::math::Vector3;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -100,19 +101,15 @@ pub struct BodyExplained {
 }
 
 /// The tick after contact has been solved and before bodies move.
-pub(super) fn of_contact(
-    scene: &Scene,
-    state: &SceneState,
-    scratch: &mut Scratch,
-    output: &TickOutput,
-) -> Explanation {
+pub(super) fn of_contact(balance: &mut Balance<'_>, output: &TickOutput) -> Explanation {
+    let scene = balance.scene;
     let tools = (0..scene.tool_count()).map(|t| {
         let out = &output.tools[t];
         ToolExplained {
             tool: scene.tool_id(t).to_owned(),
             force_n: out.force_n.into(),
             contact_force_n: out.contact_force_n.into(),
-            borne: scratch.tools[t].borne,
+            borne: balance.tool_parts[t].borne,
             flags: out.flags,
         }
     });
@@ -122,32 +119,30 @@ pub(super) fn of_contact(
         tools: tools.collect(),
         ..Explanation::default()
     };
-    for i in 0..scratch.rows.rows.len() {
-        let explained = explain_row(scene, state, scratch, i);
+    for i in 0..balance.rows.rows.len() {
+        let explained = explain_row(balance, i);
         explanation.rows.push(explained);
     }
     explanation
 }
 
-fn explain_row(scene: &Scene, state: &SceneState, scratch: &mut Scratch, i: usize) -> RowExplained {
-    let row = scratch.rows.rows[i];
-    let compliance = compliance(scene, state, scratch, &row);
-    let whole = scratch.solver.is_whole();
+fn explain_row(balance: &mut Balance<'_>, i: usize) -> RowExplained {
+    let row = balance.rows.rows[i];
+    let compliance = compliance(balance, &row);
+    let (scene, solver) = (balance.scene, &*balance.solver);
+    let whole = solver.is_whole();
     // With friction, turns, soft modes and near fields are kept beside the matrix.
-    let solved = scratch.solver.problem.entry(i, i);
+    let solved = solver.problem.entry(i, i);
     debug_assert!(
         whole || (compliance.sum - solved).abs() <= 1e-9 * solved,
         "row {i}: the parties give way by {} m/N, the solve by {solved}",
         compliance.sum
     );
     let (force_n, tangent_n) = match whole {
-        true => (
-            scratch.solver.friction.normal_n(i),
-            scratch.solver.friction.tangent_n(i),
-        ),
-        false => (scratch.solver.problem.forces()[i], Vector3::zeros()),
+        true => (solver.friction.normal_n(i), solver.friction.tangent_n(i)),
+        false => (solver.problem.forces()[i], Vector3::zeros()),
     };
-    let after_m = scratch.solver.gap_after(i);
+    let after_m = solver.gap_after(i);
     let holder = match row.holder {
         Holder::Tool(tool) => scene.tool_id(tool as usize),
         Holder::Body(body) => scene.body_id(body as usize),
@@ -172,12 +167,8 @@ fn explain_row(scene: &Scene, state: &SceneState, scratch: &mut Scratch, i: usiz
 }
 
 /// What gives way along a row's normal under a force of that row.
-fn compliance(
-    scene: &Scene,
-    state: &SceneState,
-    scratch: &mut Scratch,
-    row: &Row,
-) -> ComplianceExplained {
+fn compliance(balance: &mut Balance<'_>, row: &Row) -> ComplianceExplained {
+    let scene = balance.scene;
     let mut by_party = BTreeMap::new();
     let mut add = |party: String, m_per_n: f64| {
         if m_per_n != 0.0 {
@@ -185,7 +176,7 @@ fn compliance(
         }
     };
     if let Some(t) = row.tool() {
-        let coupling = scene.tools[t].coupling_for(&state.tools[t].bounds);
+        let coupling = scene.tools[t].coupling_for(&balance.tools[t].bounds);
         let turning = row.arm.cross(&row.normal).norm_squared();
         add(
             format!("tool:{}", scene.tool_id(t)),
@@ -196,8 +187,8 @@ fn compliance(
         let m_per_n = match &body.model {
             BodyModel::Deforming(model) => {
                 let deformable = &model.deformable;
-                let modes = match balance::modes_of_row(b, deformable, scratch, row) {
-                    true => (scratch
+                let modes = match balance.modes_of_row(b, deformable, row) {
+                    true => (balance
                         .solver
                         .mode_moves
                         .iter()
@@ -206,9 +197,9 @@ fn compliance(
                     .sum(),
                     false => 0.0,
                 };
-                modes + surface_compliance(b, deformable, scratch, row)
+                modes + surface_compliance(b, deformable, &balance.bodies[b], balance.rows, row)
             }
-            BodyModel::Rigid => scratch.bodies[b].gives().map_or(0.0, |gives| {
+            BodyModel::Rigid => balance.bodies[b].gives().map_or(0.0, |gives| {
                 let turning = gives.arm(row).cross(&row.normal);
                 let alone = gives.shift_m_n + gives.turned(&turning).dot(&turning);
                 alone * row.sides_on(b).map(|(sign, _)| sign).sum::<f64>().powi(2)
@@ -216,7 +207,7 @@ fn compliance(
         };
         add(format!("body:{}", scene.body_id(b)), m_per_n);
     }
-    let dent = &scratch.solver.indentations[row.id.pair as usize];
+    let dent = &balance.solver.indentations[row.id.pair as usize];
     if !row.id.key.is_anchor() {
         add(
             "near_field".to_owned(),
@@ -235,20 +226,26 @@ fn compliance(
 }
 
 /// What the surface of a deforming body gives way, without its soft modes.
-fn surface_compliance(b: usize, deformable: &Deformable, scratch: &Scratch, row: &Row) -> f64 {
-    let Some(deforming) = &scratch.bodies[b].deforming else {
+fn surface_compliance(
+    b: usize,
+    deformable: &Deformable,
+    parts: &BodyScratch,
+    rows: &RowSet,
+    row: &Row,
+) -> f64 {
+    let Some(deforming) = &parts.deforming else {
         return 0.0;
     };
     let mut sum = 0.0;
     for (sign_a, side_a) in row.sides_on(b) {
-        let (controls_a, weights_a) = scratch.rows.weights_in(side_a);
+        let (controls_a, weights_a) = rows.weights_in(side_a);
         for (&a, weight_a) in controls_a.iter().zip(weights_a) {
             let coordinate = deformable.coordinate_of_control(a as usize);
             let Some(column) = deformable.compliance_of(&deforming.deformable, coordinate) else {
                 continue;
             };
             for (sign_b, side_b) in row.sides_on(b) {
-                let (controls_b, weights_b) = scratch.rows.weights_in(side_b);
+                let (controls_b, weights_b) = rows.weights_in(side_b);
                 for (&b, weight_b) in controls_b.iter().zip(weights_b) {
                     let there = deformable.coordinate_of_control(b as usize);
                     if let Some(unknown) = deformable.unknown(there) {
@@ -271,14 +268,14 @@ pub(super) struct Step {
 }
 
 /// The steps of a tick whose contact has been solved.
-pub(super) fn steps(scene: &Scene, state: &SceneState, scratch: &Scratch) -> Vec<Step> {
+pub(super) fn steps(scene: &Scene, states: &[BodyState], parts: &[BodyScratch]) -> Vec<Step> {
     let deforming = (0..scene.bodies.len()).filter_map(|body| {
         let deformable = scene.deformable(body)?;
-        let parts = scratch.bodies[body].deforming.as_ref()?;
+        let parts = parts[body].deforming.as_ref()?;
         let fall_back = deformable.fall_back(&parts.deformable);
         Some(Step {
             body,
-            before: state.bodies[body].deformable.clone()?,
+            before: states[body].deformable.clone()?,
             field: deformable.field(&parts.deformable),
             matrix: match fall_back {
                 Some(FallBack::Firmer) => Some("firmer"),
@@ -294,13 +291,13 @@ pub(super) fn steps(scene: &Scene, state: &SceneState, scratch: &Scratch) -> Vec
 /// How those steps ended.
 pub(super) fn of_bodies(
     scene: &Scene,
-    state: &SceneState,
+    states: &[BodyState],
     moved: bool,
     steps: Vec<Step>,
 ) -> Vec<BodyExplained> {
     let norm = |forces: &[Vector3]| forces.iter().map(Vector3::norm_squared).sum::<f64>().sqrt();
     let ended = steps.into_iter().filter_map(|step| {
-        let body = &state.bodies[step.body];
+        let body = &states[step.body];
         let (deformable, after) = (scene.deformable(step.body)?, body.deformable.as_ref()?);
         // Of several ticks a step, the last ends it.
         let ends = moved && body.phase == 0;

@@ -150,7 +150,14 @@ fn ball(
         // Held where it is, not where the device pulls it.
         target = last;
     } else if touched && pair.friction.is_some() {
-        target = stick::ball_target(scene, state, &parts.surface, p, &last, &target, radius_m);
+        target = stick::ball_target(
+            &state.pairs[p].proxy,
+            &parts.surface,
+            &last,
+            &target,
+            radius_m,
+            stick::coefficient(pair, p, &state.warm),
+        );
     }
     let PairState { proxy, thinned } = &mut state.pairs[p];
     let sided = parts.sided(body);
@@ -320,7 +327,7 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
     let margin = margin_m(0.0, body.size_m);
     // Free motion of the body may close a gap within the tick.
     let closing = moving(body, parts);
-    let mu = stick::coefficient(scene, state, p);
+    let mu = stick::coefficient(pair, p, &state.warm);
     let last = Stand {
         place: state.tools[t].proxy,
         rotation: state.tools[t].orientation,

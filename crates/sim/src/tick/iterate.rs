@@ -5,46 +5,60 @@
 //! corrected, the gaps follow, and the forces are solved for anew on the same compliance. What
 //! moves no more is at rest with its forces, however many iterations there are.
 
-use super::{SceneState, Scratch, quality};
-use super::{balance, load};
+use super::balance::Balance;
+use super::{BodyScratch, BodyState, SceneState, Scratch, load, quality};
 use crate::scene::{BodyModel, DeformingBody, Scene};
+use crate::solve::rows::RowSet;
 
-/// Runs what iterations are left after the first.
-pub(super) fn iterate(scene: &Scene, state: &SceneState, scratch: &mut Scratch) {
+/// Runs what iterations are left after the first; `states`: of the bodies.
+pub(super) fn iterate(balance: &mut Balance<'_>, states: &[BodyState]) {
+    let scene = balance.scene;
     let of = |model: &DeformingBody| model.deformable.iterations();
     let deformables = scene.bodies.iter().filter_map(|body| match &body.model {
         BodyModel::Deforming(model) => Some(of(model)),
         BodyModel::Rigid => None,
     });
-    let most = if state.quality < quality::ONE_ITERATION {
+    let most = if balance.quality < quality::ONE_ITERATION {
         deformables.max().unwrap_or(1)
     } else {
         1
     };
     for iteration in 1..most {
-        load::limit_tools(scene, state, scratch);
-        for i in 0..scratch.rows.rows.len() {
-            if scratch.solver.carries(i) {
-                load::push_bodies(scene, scratch, i, |model| of(model) > iteration);
+        let Balance {
+            tools,
+            tool_parts,
+            bodies,
+            rows,
+            solver,
+            ..
+        } = balance;
+        load::limit_tools(&scene.tools, tools, &rows.rows, solver, tool_parts);
+        for i in 0..rows.rows.len() {
+            if solver.carries(i) {
+                let wanted = |model: &DeformingBody| of(model) > iteration;
+                load::push_bodies(&scene.bodies, rows, solver, tool_parts, bodies, i, wanted);
             }
         }
         for (b, body) in scene.bodies.iter().enumerate() {
             if let BodyModel::Deforming(model) = &body.model
                 && of(model) > iteration
             {
-                correct(b, model, state, scratch);
+                correct(b, model, &states[b], &mut bodies[b], rows);
             }
         }
-        balance::solve_again(scene, state, scratch);
+        balance.solve_again();
     }
 }
 
 /// One iteration of a body; its rows follow.
-fn correct(b: usize, model: &DeformingBody, state: &SceneState, scratch: &mut Scratch) {
-    let Scratch { bodies, rows, .. } = scratch;
-    let (Some(deformable), Some(deforming)) =
-        (&state.bodies[b].deformable, &mut bodies[b].deforming)
-    else {
+fn correct(
+    b: usize,
+    model: &DeformingBody,
+    state: &BodyState,
+    parts: &mut BodyScratch,
+    rows: &mut RowSet,
+) {
+    let (Some(deformable), Some(deforming)) = (&state.deformable, &mut parts.deforming) else {
         return;
     };
     model

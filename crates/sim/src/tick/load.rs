@@ -2,32 +2,31 @@
 //! bodies.
 
 use super::scratch::ToolScratch;
-use super::{SceneState, Scratch, ToolState};
+use super::{BodyScratch, ToolState};
 use crate::haptics::{LinkPhase, limit};
-use crate::scene::{BodyModel, DeformingBody, Scene, Tool};
-use crate::solve::friction::FrictionLaw;
-use crate::solve::rows::{Holder, Row};
+use crate::scene::{Body, BodyModel, DeformingBody, Tool};
+use crate::solve::friction::{FrictionLaw, FrictionProblem};
+use crate::solve::rows::{Holder, Row, RowSet};
 use crate::solve::solver::Solver;
 use palpate_geometry::math::{Point3, Vector3};
 
-/// Force (N) and torque (N m) of the rows on a tool, about its reference point.
+/// Force (N) and torque (N m) of the rows on tool `t`, about its reference point; `free`: where free motion
+/// takes it.
 pub(super) fn wrench(
-    scene: &Scene,
-    state: &SceneState,
-    scratch: &Scratch,
+    tool: &Tool,
+    state: &ToolState,
     t: usize,
+    rows: &[Row],
+    solver: &Solver,
+    free: &Point3,
 ) -> (Vector3, Vector3) {
-    if scratch.solver.is_whole() {
-        return whole_wrench(scene, state, scratch, t);
+    if solver.is_whole() {
+        return whole_wrench(tool, state, t, rows, &solver.friction, free);
     }
-    let turns = scene.tools[t].coupling.turns();
-    let ball = scene.tools[t].shape.ball_radius_m().is_some();
+    let turns = tool.coupling.turns();
+    let ball = tool.shape.ball_radius_m().is_some();
     let (mut force, mut torque) = (Vector3::zeros(), Vector3::zeros());
-    let rows = scratch
-        .rows
-        .rows
-        .iter()
-        .zip(scratch.solver.problem.forces());
+    let rows = rows.iter().zip(solver.problem.forces());
     for (row, &lambda) in rows.filter(|(row, _)| row.tool() == Some(t)) {
         let push = row.normal * lambda;
         force += push;
@@ -35,7 +34,7 @@ pub(super) fn wrench(
             // As the solve turned it.
             torque += row.arm.cross(&push);
         } else if !ball {
-            torque += (row.point - scratch.tools[t].free).cross(&push);
+            torque += (row.point - free).cross(&push);
         }
     }
     (force, torque)
@@ -44,26 +43,20 @@ pub(super) fn wrench(
 /// The same when forces have three components. Drag on a ball turns it about its centre; what
 /// presses it does not.
 fn whole_wrench(
-    scene: &Scene,
-    state: &SceneState,
-    scratch: &Scratch,
+    tool: &Tool,
+    state: &ToolState,
     t: usize,
+    rows: &[Row],
+    friction: &FrictionProblem,
+    free: &Point3,
 ) -> (Vector3, Vector3) {
-    let Scratch {
-        tools,
-        rows,
-        solver,
-        ..
-    } = scratch;
-    let friction = &solver.friction;
     let own = || {
-        rows.rows
-            .iter()
+        rows.iter()
             .enumerate()
             .filter(|(_, row)| row.tool() == Some(t))
     };
     let force: Vector3 = own().map(|(i, _)| friction.force_n(i)).sum();
-    let coupling = scene.tools[t].coupling_for(&state.tools[t].bounds);
+    let coupling = tool.coupling_for(&state.bounds);
     if coupling.turns() {
         return (
             force,
@@ -72,9 +65,9 @@ fn whole_wrench(
                 .sum(),
         );
     }
-    let ball = scene.tools[t].shape.ball_radius_m().is_some();
-    let held: Point3 = tools[t].free + force * coupling.compliance_m_n();
-    let centre = if ball { held } else { tools[t].free };
+    let ball = tool.shape.ball_radius_m().is_some();
+    let held: Point3 = free + force * coupling.compliance_m_n();
+    let centre = if ball { held } else { *free };
     let turns = |i: usize, row: &Row| match row.law {
         FrictionLaw::Push { .. } if ball => friction.tangent_n(i),
         _ => friction.force_n(i),
@@ -109,12 +102,18 @@ pub(super) fn torque_limit_nm(tool: &Tool, state: &ToolState) -> f64 {
 }
 
 /// Writes what share of its rows' forces each tool's device bears.
-pub(super) fn limit_tools(scene: &Scene, state: &SceneState, scratch: &mut Scratch) {
-    for (t, tool) in state.tools.iter().enumerate() {
-        if tool.link.phase != LinkPhase::Absent {
-            let (force, torque) = wrench(scene, state, scratch, t);
-            let limit_nm = torque_limit_nm(&scene.tools[t], tool);
-            scratch.tools[t].borne = limit(force, torque, tool.link.limit_n, limit_nm).1;
+pub(super) fn limit_tools(
+    tools: &[Tool],
+    states: &[ToolState],
+    rows: &[Row],
+    solver: &Solver,
+    parts: &mut [ToolScratch],
+) {
+    for (t, state) in states.iter().enumerate() {
+        if state.link.phase != LinkPhase::Absent {
+            let (force, torque) = wrench(&tools[t], state, t, rows, solver, &parts[t].free);
+            let limit_nm = torque_limit_nm(&tools[t], state);
+            parts[t].borne = limit(force, torque, state.link.limit_n, limit_nm).1;
         }
     }
 }
@@ -131,18 +130,14 @@ pub(super) fn on_bodies(row: &Row, i: usize, solver: &Solver, tools: &[ToolScrat
 /// ∓λ n N_i on the nodes of a row's sides, scaled as the hand's force was, for the bodies that are
 /// `wanted`.
 pub(super) fn push_bodies(
-    scene: &Scene,
-    scratch: &mut Scratch,
+    constants: &[Body],
+    rows: &RowSet,
+    solver: &Solver,
+    tools: &[ToolScratch],
+    bodies: &mut [BodyScratch],
     i: usize,
     wanted: impl Fn(&DeformingBody) -> bool,
 ) {
-    let Scratch {
-        tools,
-        bodies,
-        rows,
-        solver,
-        ..
-    } = scratch;
     let row = &rows.rows[i];
     let factor = row.tool().map_or(1.0, |tool| tools[tool].borne);
     let whole = solver.is_whole().then(|| solver.friction.force_n(i));
@@ -152,10 +147,10 @@ pub(super) fn push_bodies(
         _ => None,
     };
     for body in std::iter::once(row.body).chain(other) {
-        let constants = &scene.bodies[body as usize];
-        let (BodyModel::Deforming(model), Some(deforming)) =
-            (&constants.model, &mut bodies[body as usize].deforming)
-        else {
+        let (BodyModel::Deforming(model), Some(deforming)) = (
+            &constants[body as usize].model,
+            &mut bodies[body as usize].deforming,
+        ) else {
             continue;
         };
         if !wanted(model) {

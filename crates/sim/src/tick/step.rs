@@ -1,9 +1,10 @@
 //! One tick: pure, no clock, no I/O, no allocation, no lock, no error.
 
+use super::balance::Balance;
 use super::explain::{self, Explanation};
 use super::record::{Command, TickInput, TickOutput};
 use super::{PairState, RunState, SceneState, Scratch, flags, quality};
-use super::{admit, balance, emit, gather, iterate, motion, rigid};
+use super::{admit, emit, gather, iterate, motion, rigid};
 use crate::scene::Scene;
 use palpate_geometry::math::{SavedState, StateError, state_hash};
 
@@ -67,10 +68,10 @@ pub fn step_explained(
     output: &mut TickOutput,
 ) -> Explanation {
     render(scene, state, scratch, input, output);
-    let mut explanation = explain::of_contact(scene, state, scratch, output);
-    let steps = explain::steps(scene, state, scratch);
+    let mut explanation = explain::of_contact(&mut balance(scene, state, scratch), output);
+    let steps = explain::steps(scene, &state.bodies, &scratch.bodies);
     deform(scene, state, scratch, output);
-    explanation.bodies = explain::of_bodies(scene, state, output.moving, steps);
+    explanation.bodies = explain::of_bodies(scene, &state.bodies, output.moving, steps);
     hash(state, output);
     explanation
 }
@@ -100,13 +101,27 @@ pub fn render(
     admit::admit(scene, state, input, wanted, output);
     rigid::aim(scene, state, scratch, moving);
     gather::gather(scene, state, scratch, moving);
-    balance::solve(scene, state, scratch);
+    balance(scene, state, scratch).solve();
     admit::release(scene, state, scratch, wanted, output);
-    iterate::iterate(scene, state, scratch);
+    let states = &state.bodies;
+    iterate::iterate(&mut balance(scene, state, scratch), states);
     emit::emit(scene, state, scratch, output);
     if std::mem::take(&mut state.faulted) {
         let tools = output.tools.as_mut_slice().iter_mut();
         tools.for_each(|tool| tool.flags |= flags::FAULT);
+    }
+}
+
+fn balance<'a>(scene: &'a Scene, state: &'a SceneState, scratch: &'a mut Scratch) -> Balance<'a> {
+    Balance {
+        scene,
+        tools: &state.tools,
+        warm: &state.warm,
+        quality: state.quality,
+        tool_parts: &mut scratch.tools,
+        bodies: &mut scratch.bodies,
+        rows: &mut scratch.rows,
+        solver: &mut scratch.solver,
     }
 }
 

@@ -5,9 +5,11 @@
 //! [`super::balance`]. And each row that sticks remembers where.
 
 use super::feet::view;
-use super::{BodyScratch, SceneState, Scratch, WarmRow};
-use crate::scene::{Body, Scene};
+use super::scratch::ToolScratch;
+use super::{BodyScratch, Warm, WarmRow};
+use crate::scene::{Body, Pair, Scene};
 use crate::solve::friction::{FrictionLaw, Stick};
+use crate::solve::proxy::ProxyState;
 use crate::solve::rows::{Row, RowSet};
 use crate::solve::solver::Solver;
 use palpate_geometry::math::{Point3, Rotation, Vector3};
@@ -18,12 +20,12 @@ use palpate_geometry::surface::Surface;
 /// above what a trembling hand rolls.
 const ROLLS: f64 = 0.01;
 
-/// Coefficient that counts for a pair now: the kinetic one once any of its rows slips.
-pub(super) fn coefficient(scene: &Scene, state: &SceneState, p: usize) -> f64 {
-    let Some(friction) = scene.pairs[p].friction else {
+/// Coefficient that counts for pair `p` now: the kinetic one once any of its rows slips.
+pub(super) fn coefficient(pair: &Pair, p: usize, warm: &Warm) -> f64 {
+    let Some(friction) = pair.friction else {
         return 0.0;
     };
-    if state.warm.of_pair(p).any(|row| row.slips) {
+    if warm.of_pair(p).any(|row| row.slips) {
         friction.mu_kinetic
     } else {
         friction.mu
@@ -43,15 +45,13 @@ pub(super) fn held_back(slide: Vector3, blocked: Vector3, mu: f64) -> Vector3 {
 /// Where a ball that touches goes when it wants to go to `target`: on its tangent plane at `last`,
 /// as far as friction lets it.
 pub(super) fn ball_target(
-    scene: &Scene,
-    state: &SceneState,
+    proxy: &ProxyState,
     surface: &Surface,
-    p: usize,
     last: &Point3,
     target: &Point3,
     radius_m: f64,
+    mu: f64,
 ) -> Point3 {
-    let proxy = &state.pairs[p].proxy;
     let foot = surface.point(proxy.foot.u, proxy.foot.v);
     let outward = surface.normal(proxy.foot.u, proxy.foot.v) * if proxy.below { -1.0 } else { 1.0 };
     // At an edge the ball leans against it from where it is.
@@ -66,14 +66,16 @@ pub(super) fn ball_target(
     }
     let way = target - last;
     let along = normal * way.dot(&normal);
-    last + along + held_back(way - along, normal * depth, coefficient(scene, state, p))
+    last + along + held_back(way - along, normal * depth, mu)
 }
 
 /// How far free motion takes a row past where it sticks, and where that is. `old`: the row in the
 /// last tick.
 pub(super) fn slip(
     scene: &Scene,
-    scratch: &mut Scratch,
+    tools: &[ToolScratch],
+    bodies: &[BodyScratch],
+    rows: &mut RowSet,
     row: &Row,
     old: Option<&WarmRow>,
 ) -> (Vector3, Stick) {
@@ -82,12 +84,6 @@ pub(super) fn slip(
         (FrictionLaw::Grip { .. }, _) => (row.slip, Stick::default()),
         (FrictionLaw::Push { mu: 0.0, .. }, _) => (row.slip, Stick::default()),
         (FrictionLaw::Push { .. }, Some(t)) => {
-            let Scratch {
-                tools,
-                bodies,
-                rows,
-                ..
-            } = scratch;
             let (body, parts) = (&scene.bodies[row.body as usize], &bodies[row.body as usize]);
             let free = tools[t].free;
             // Where a ball sticks does not turn with it.
@@ -123,15 +119,14 @@ pub(super) fn slip(
 }
 
 /// Where a row of this tick will stick in the next, if it did not slip.
-pub(super) fn kept(i: usize, scratch: &Scratch) -> Stick {
-    let Scratch { rows, solver, .. } = scratch;
+pub(super) fn kept(i: usize, row: &Row, solver: &Solver) -> Stick {
     let Solver {
         friction, sticks, ..
     } = solver;
-    if friction.slips(i) || matches!(rows.rows[i].law, FrictionLaw::Grip { .. }) {
+    if friction.slips(i) || matches!(row.law, FrictionLaw::Grip { .. }) {
         return Stick::default();
     }
-    if rows.rows[i].tool().is_some() {
+    if row.tool().is_some() {
         return sticks[i];
     }
     let (moved, normal) = (friction.displaced_m(i), friction.normal(i));
