@@ -1,9 +1,11 @@
 //! Takes the poses: which are believed, and how much force their tools may feel.
 
 use super::record::{TickInput, TickOutput};
-use super::{SceneState, Scratch, ToolState, flags, load};
+use super::{PairState, ToolState, flags, load};
 use crate::haptics::{LinkLimits, LinkPhase, Motion};
 use crate::scene::{Scene, Tool};
+use crate::solve::rows::Row;
+use crate::solve::solver::Solver;
 use palpate_geometry::math::turn_between;
 
 /// A contact force of which no hand takes notice, N; of a weak device this share of what it bears.
@@ -21,13 +23,14 @@ fn limits_of(tool: &Tool, state: &ToolState) -> LinkLimits {
 /// Takes the poses.
 pub(super) fn admit(
     scene: &Scene,
-    state: &mut SceneState,
+    tools: &mut [ToolState],
+    pairs: &mut [PairState],
     input: &TickInput,
     wanted: bool,
     output: &mut TickOutput,
 ) {
     for (t, tool) in scene.tools.iter().enumerate() {
-        let tool_state = &mut state.tools[t];
+        let tool_state = &mut tools[t];
         let before = tool_state.link.pose;
         let limits = limits_of(tool, tool_state);
         tool_state.link.pass(input.skipped, &limits, wanted);
@@ -39,7 +42,7 @@ pub(super) fn admit(
         if admission.seated {
             (tool_state.proxy, tool_state.orientation) =
                 (link.pose.position, link.pose.orientation);
-            for (pair, pair_state) in scene.pairs.iter().zip(&mut state.pairs) {
+            for (pair, pair_state) in scene.pairs.iter().zip(pairs.iter_mut()) {
                 if pair.tool() == Some(t) {
                     *pair_state = Default::default();
                 }
@@ -80,20 +83,21 @@ pub(super) fn admit(
 /// others feel none. Forces that cancel are not small: a tool in the middle of a body is not out of it.
 pub(super) fn release(
     scene: &Scene,
-    state: &mut SceneState,
-    scratch: &Scratch,
+    tools: &mut [ToolState],
+    rows: &[Row],
+    solver: &Solver,
     wanted: bool,
     output: &mut TickOutput,
 ) {
     for (t, tool) in scene.tools.iter().enumerate() {
-        if state.tools[t].link.phase != LinkPhase::Withheld {
+        if tools[t].link.phase != LinkPhase::Withheld {
             continue;
         }
-        let limits = limits_of(tool, &state.tools[t]);
+        let limits = limits_of(tool, &tools[t]);
         let small_n = SMALL_N.min(SMALL_SHARE * limits.force_max_n);
-        let link = &mut state.tools[t].link;
+        let link = &mut tools[t].link;
         let flags = &mut output.tools[t].flags;
-        if load::pushes_n(&scratch.rows.rows, &scratch.solver, t) <= small_n {
+        if load::pushes_n(rows, solver, t) <= small_n {
             link.release(&limits, wanted);
             if link.limit_n != link.goal_n(&limits, wanted) {
                 *flags |= flags::RAMPING;

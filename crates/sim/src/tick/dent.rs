@@ -1,6 +1,6 @@
 //! How far a ball goes into a solid beyond what the solid's net shows, in a tick.
 
-use super::{SceneState, Scratch};
+use super::Warm;
 use crate::scene::{BodyModel, Scene};
 use crate::solve::indentation::{Indentation, Resolution, Touch};
 use crate::solve::rows::RowSet;
@@ -14,8 +14,9 @@ use palpate_geometry::math::Vector3;
 /// the hop.
 pub(super) fn touch(
     scene: &Scene,
-    state: &SceneState,
-    scratch: &mut Scratch,
+    warm: &Warm,
+    rows: &RowSet,
+    solver: &mut Solver,
     p: usize,
     radius_m: f64,
 ) {
@@ -25,8 +26,7 @@ pub(super) fn touch(
     if model.resolution.is_empty() {
         return;
     }
-    let Scratch { rows, solver, .. } = scratch;
-    let mut warm = (state.warm.of_pair(p))
+    let mut warm = (warm.of_pair(p))
         .filter(|old| !old.id.key.is_anchor())
         .peekable();
     let (mut carried_n, mut force_n) = (0.0, 0.0);

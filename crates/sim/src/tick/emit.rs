@@ -135,9 +135,22 @@ pub(super) fn emit(
         output.contacts.push(*report, scene.tools.len());
     }
     for t in 0..scene.tools.len() {
-        grip::take(scene, state, scratch, t, &mut output.tools[t]);
+        grip::take(
+            scene,
+            (t, &mut state.tools[t]),
+            &scratch.rows.rows,
+            &scratch.solver,
+            &mut output.tools[t],
+        );
     }
-    degraded::mark(scene, scratch, output);
+    let Scratch {
+        bodies,
+        rows,
+        solver,
+        degraded,
+        ..
+    } = &mut *scratch;
+    degraded::mark(scene, bodies, &rows.rows, solver, degraded, output);
     load_bodies(scene, state, scratch);
 }
 
@@ -240,7 +253,7 @@ fn load_bodies(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) {
         state.warm.arms |= turns;
         let (Row { u, v, on_tool, .. }, force_n) = (row, scratch.solver.problem.forces()[i]);
         let on_tool = match turns || row.id.key.is_foot() {
-            true => lying::on_holder(scene, scratch, &row).unwrap_or(on_tool),
+            true => lying::on_holder(scene, &scratch.bodies, &row).unwrap_or(on_tool),
             false => Vector3::zeros(),
         };
         let mut warm = WarmRow {

@@ -9,10 +9,11 @@
 //! [`Mass::turned`]. Contact takes all of the speed at which surfaces meet, unless the pair has a restitution
 //! (Moreau 1988): then they part with that share of it. Angular momentum in the world changes by moments alone, so that in flight it keeps its bits.
 
-use super::scratch::Scratch;
+use super::scratch::ToolScratch;
 use super::{BodyScratch, load};
 use crate::scene::{Body, Free, Mass, Mover, Scene};
 use crate::solve::rows::{Holder, Row};
+use crate::solve::solver::Solver;
 use palpate_geometry::math::{Point3, Rotation, Vector3};
 use palpate_geometry::stateful;
 
@@ -199,12 +200,18 @@ pub(super) fn on_holder(row: &Row) -> Point3 {
 }
 
 /// Force (N) and moment about its centre of mass (N·m) of the contacts of the tick on a free body.
-pub(super) fn load_on(scratch: &Scratch, body: usize, gives: &Gives) -> (Vector3, Vector3) {
+pub(super) fn load_on(
+    rows: &[Row],
+    solver: &Solver,
+    tools: &[ToolScratch],
+    body: usize,
+    gives: &Gives,
+) -> (Vector3, Vector3) {
     let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
-    for (i, row) in scratch.rows.rows.iter().enumerate() {
+    for (i, row) in rows.iter().enumerate() {
         for (sign, _) in row.sides_on(body) {
-            if scratch.solver.carries(i) {
-                let push = load::on_bodies(row, i, &scratch.solver, &scratch.tools) * sign;
+            if solver.carries(i) {
+                let push = load::on_bodies(row, i, solver, tools) * sign;
                 force += push;
                 moment += gives.arm(row).cross(&push);
             }
@@ -215,11 +222,11 @@ pub(super) fn load_on(scratch: &Scratch, body: usize, gives: &Gives) -> (Vector3
 
 /// How rows between rigid bodies, of which one is free, end the tick: what lies inside is not thrown out, and
 /// pairs with a restitution that are going to meet part.
-pub(super) fn meet(scene: &Scene, scratch: &mut Scratch) {
+pub(super) fn meet(scene: &Scene, rows: &mut [Row]) {
     let most_m = PARTING_M_S * scene.dt_s;
     let gravity = Vector3::from(scene.spec.gravity.acceleration);
     let rest_m_s = REST_M_S.max(REST_TICKS * scene.dt_s * gravity.norm());
-    for row in &mut scratch.rows.rows {
+    for row in rows {
         let Some([body, holder]) = rigid_parties(scene, row) else {
             continue;
         };

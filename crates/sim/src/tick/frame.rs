@@ -1,6 +1,6 @@
 //! A frame that a tool carries about: bodies in it feel how it tilts, shakes and turns.
 
-use super::state::SceneState;
+use super::state::ToolState;
 use crate::body::Field;
 use crate::scene::Scene;
 use palpate_geometry::math::{Point3, Rotation, Vector3};
@@ -75,12 +75,11 @@ stateful!(FrameState, |this, walk| {
 
 impl Scene {
     /// What free points of the bodies feel.
-    pub(super) fn field(&self, state: &SceneState) -> Field {
+    pub(super) fn field(&self, frame: &FrameState) -> Field {
         let gravity = Vector3::from(self.spec.gravity.acceleration);
         if self.frame.is_none() {
             return Field::gravity(gravity);
         }
-        let frame = &state.frame;
         Field {
             at_origin: frame.rotation.inverse() * (gravity - frame.acceleration),
             turning_rad_s: frame.turning,
@@ -89,10 +88,10 @@ impl Scene {
     }
 
     /// The frame follows its tool.
-    pub(super) fn follow_frame(&self, state: &mut SceneState) {
+    pub(super) fn follow_frame(&self, state: &mut FrameState, tools: &[ToolState]) {
         if let Some(frame) = &self.frame {
-            let pose = &state.tools[frame.tool].link.pose;
-            state.frame.follow(
+            let pose = &tools[frame.tool].link.pose;
+            state.follow(
                 &pose.position,
                 &pose.orientation,
                 self.dt_s,

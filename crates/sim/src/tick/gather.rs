@@ -60,14 +60,27 @@ pub(super) fn gather(scene: &Scene, state: &mut SceneState, scratch: &mut Scratc
         scratch.tools[t].free_turn =
             coupling.free_orientation(device, rate, &state.tools[t].orientation);
     }
-    super::near::find(scene, state, scratch);
-    grip::update(scene, state, scratch);
+    super::near::find(
+        scene,
+        &state.tools,
+        &scratch.tools,
+        &scratch.bodies,
+        &mut scratch.near,
+    );
+    grip::update(scene, &mut state.tools, &scratch.bodies);
     rest::settle(scene, state, scratch, moving);
     scratch.rest.rows.clear();
     for (p, pair) in scene.pairs.iter().enumerate() {
         scratch.rows.begin_pair();
         if let Some(t) = pair.tool() {
-            grip::push_anchors(scene, state, scratch, p, t);
+            grip::push_anchors(
+                scene,
+                (t, &state.tools[t]),
+                (p, state.pairs[p].proxy.below),
+                &scratch.tools[t],
+                &scratch.bodies[pair.body],
+                &mut scratch.rows,
+            );
         }
         if rest::lies(scene, state, scratch, pair) {
             rest::keep(scene, state, scratch, p);
@@ -76,7 +89,11 @@ pub(super) fn gather(scene: &Scene, state: &mut SceneState, scratch: &mut Scratc
         rest::wake(scratch, p);
         if !scratch.near.is_near(p) {
             let (low, high) = &scratch.bodies[pair.body].bounds;
-            let place = reference(scratch, pair);
+            // The point of the holder that says on which side of the body it is.
+            let place = match pair.holder {
+                Holder::Tool(t) => scratch.tools[t as usize].free,
+                Holder::Body(other) => scratch.bodies[other as usize].surface.net().points()[0],
+            };
             let away_m = distance_squared_to_box(&place, low, high).sqrt();
             let PairState { proxy, thinned } = &mut state.pairs[p];
             proxy.leave(&place, away_m);
@@ -105,18 +122,17 @@ pub(super) fn gather(scene: &Scene, state: &mut SceneState, scratch: &mut Scratc
         }
         scratch.rows.end_pair();
         if let Some(radius_m) = dents {
-            dent::touch(scene, state, scratch, p, radius_m);
+            dent::touch(
+                scene,
+                &state.warm,
+                &scratch.rows,
+                &mut scratch.solver,
+                p,
+                radius_m,
+            );
         }
     }
-    flight::meet(scene, scratch);
-}
-
-/// The point of a pair's holder that says on which side of the body it is, m.
-fn reference(scratch: &Scratch, pair: &Pair) -> Point3 {
-    match pair.holder {
-        Holder::Tool(t) => scratch.tools[t as usize].free,
-        Holder::Body(other) => scratch.bodies[other as usize].surface.net().points()[0],
-    }
+    flight::meet(scene, &mut scratch.rows.rows);
 }
 
 /// A point or a sphere: its proxy on the exact surface.

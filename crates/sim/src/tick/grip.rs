@@ -2,25 +2,27 @@
 
 use super::feet::{margin_m, push_anchor, view};
 use super::record::ToolOutput;
-use super::{SceneState, Scratch, ToolState, flags};
+use super::scratch::ToolScratch;
+use super::{BodyScratch, ToolState, flags};
 use crate::haptics::LinkPhase;
 use crate::scene::Scene;
 use crate::solve::friction::FrictionLaw;
 use crate::solve::grip::{GRAB, GripState, MAX_ANCHORS, apart_m, strength};
 use crate::solve::row_key::RowKey;
-use crate::solve::rows::Row;
+use crate::solve::rows::{Row, RowSet};
+use crate::solve::solver::Solver;
 use palpate_geometry::contact::{Contact, ToolPoint};
 use palpate_geometry::math::Vector3;
 
 /// Brings the grips in line with the buttons and with where their points have come.
-pub(super) fn update(scene: &Scene, state: &mut SceneState, scratch: &Scratch) {
+pub(super) fn update(scene: &Scene, tools: &mut [ToolState], bodies: &[BodyScratch]) {
     for ToolState {
         link,
         proxy,
         orientation,
         grip,
         ..
-    } in &mut state.tools
+    } in tools
     {
         if link.phase == LinkPhase::Absent || link.pose.buttons & GRAB == 0 {
             *grip = GripState::default();
@@ -31,7 +33,7 @@ pub(super) fn update(scene: &Scene, state: &mut SceneState, scratch: &Scratch) {
         if grip.fresh {
             grip.fresh = false;
             for anchor in grip.anchors_mut() {
-                let on_surface = scratch.bodies[body_of(anchor.pair)]
+                let on_surface = bodies[body_of(anchor.pair)]
                     .surface
                     .point(anchor.u, anchor.v);
                 anchor.offset = rotation.inverse_transform_vector(&(on_surface - *proxy));
@@ -39,7 +41,7 @@ pub(super) fn update(scene: &Scene, state: &mut SceneState, scratch: &Scratch) {
         } else if grip.holds() {
             grip.retain(|anchor| {
                 let body = body_of(anchor.pair);
-                let on_surface = scratch.bodies[body].surface.point(anchor.u, anchor.v);
+                let on_surface = bodies[body].surface.point(anchor.u, anchor.v);
                 let on_tool = *proxy + rotation * anchor.offset;
                 strength(apart_m(&on_tool, &on_surface), scene.bodies[body].size_m) > 0.0
             });
@@ -50,35 +52,26 @@ pub(super) fn update(scene: &Scene, state: &mut SceneState, scratch: &Scratch) {
 /// Rows of what tool `t` holds of the body of pair `p`.
 pub(super) fn push_anchors(
     scene: &Scene,
-    state: &SceneState,
-    scratch: &mut Scratch,
-    p: usize,
-    t: usize,
+    (t, state): (usize, &ToolState),
+    (p, below): (usize, bool),
+    tool: &ToolScratch,
+    parts: &BodyScratch,
+    rows: &mut RowSet,
 ) {
-    let Scratch {
-        tools,
-        bodies,
-        rows,
-        ..
-    } = scratch;
-    let ToolState { proxy, grip, .. } = &state.tools[t];
+    let ToolState { proxy, grip, .. } = state;
     let pair = &scene.pairs[p];
-    let (body, parts) = (&scene.bodies[pair.body], &bodies[pair.body]);
-    let side = if state.pairs[p].proxy.below {
-        -1.0
-    } else {
-        1.0
-    };
+    let body = &scene.bodies[pair.body];
+    let side = if below { -1.0 } else { 1.0 };
     for anchor in grip
         .anchors()
         .iter()
         .filter(|anchor| anchor.pair as usize == p)
     {
         let on_body = parts.surface.point(anchor.u, anchor.v);
-        let arm = tools[t].free_turn * anchor.offset;
+        let arm = tool.free_turn * anchor.offset;
         let share = scene.tools[t].grip_n * grip.part();
         let limit_n = share * strength(apart_m(&(proxy + arm), &on_body), body.size_m);
-        let on_tool = tools[t].free + arm;
+        let on_tool = tool.free + arm;
         let normal = parts.surface.normal(anchor.u, anchor.v) * side;
         // A row needs some direction to be reported by, even at a pole.
         let normal = if normal.iter().all(|x| x.is_finite()) {
@@ -115,12 +108,12 @@ pub(super) fn push_anchors(
 /// Grabs what the tool touches now, if its button is down and it has not grabbed yet.
 pub(super) fn take(
     scene: &Scene,
-    state: &mut SceneState,
-    scratch: &Scratch,
-    t: usize,
+    (t, tool_state): (usize, &mut ToolState),
+    rows: &[Row],
+    solver: &Solver,
     out: &mut ToolOutput,
 ) {
-    let (tool, tool_state) = (&scene.tools[t], &mut state.tools[t]);
+    let tool = &scene.tools[t];
     let grip = &mut tool_state.grip;
     if tool_state.link.pose.buttons & GRAB != 0 && tool.grip_n > 0.0 && grip.is_open() {
         let touches = |(i, row): &(usize, &Row)| {
@@ -130,9 +123,9 @@ pub(super) fn take(
             );
             row.tool() == Some(t)
                 && matches!(row.law, FrictionLaw::Push { .. })
-                && scratch.solver.gap_after(*i) < margin
+                && solver.gap_after(*i) < margin
         };
-        let all = || scratch.rows.rows.iter().enumerate().filter(touches);
+        let all = || rows.iter().enumerate().filter(touches);
         // Evenly over all of them when there are too many.
         let count = all().count();
         for (k, (_, row)) in all().enumerate() {

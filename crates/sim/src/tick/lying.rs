@@ -6,7 +6,6 @@
 //! each is looked up again where the body now is, by descent from its last foot. A point of a body may
 //! never be inside of another, so such a row is right wherever the body has rolled to meanwhile.
 
-use super::Scratch;
 use super::feet::margin_m;
 use super::flight::{Gives, is_between_rigid, on_holder as place_on_holder};
 use super::scratch::BodyScratch;
@@ -31,11 +30,11 @@ pub(super) fn near_m(scene: &Scene, row: &Row) -> f64 {
 }
 
 /// Where a row touches a free holder, from its centre of mass in its principal axes, m.
-pub(super) fn on_holder(scene: &Scene, scratch: &Scratch, row: &Row) -> Option<Vector3> {
+pub(super) fn on_holder(scene: &Scene, bodies: &[BodyScratch], row: &Row) -> Option<Vector3> {
     let Holder::Body(other) = row.holder else {
         return None;
     };
-    let gives = scratch.bodies[other as usize].gives()?;
+    let gives = bodies[other as usize].gives()?;
     is_between_rigid(scene, row).then(|| gives.to_body(&place_on_holder(row)))
 }
 

@@ -26,9 +26,16 @@ pub(super) fn advance(
     state: &mut SceneState,
     scratch: &mut Scratch,
 ) -> Option<TickFault> {
-    let mut fault = super::rigid::advance(scene, state, scratch);
-    scene.follow_frame(state);
-    let field = scene.field(state);
+    let mut fault = super::rigid::advance(
+        scene,
+        &mut state.bodies,
+        &mut scratch.bodies,
+        &scratch.rows.rows,
+        &scratch.solver,
+        &scratch.tools,
+    );
+    scene.follow_frame(&mut state.frame, &state.tools);
+    let field = scene.field(&state.frame);
     for (b, body) in scene.bodies.iter().enumerate() {
         let BodyModel::Deforming(model) = &body.model else {
             continue;

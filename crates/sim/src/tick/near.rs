@@ -4,8 +4,8 @@
 //! box against box, so that the answer does not depend on what the tree remembers.
 
 use super::feet::{margin_m, meet};
-use super::scratch::{Near, Scratch};
-use super::state::SceneState;
+use super::scratch::{BodyScratch, Near, ToolScratch};
+use super::state::ToolState;
 use crate::scene::Scene;
 use crate::solve::rows::Holder;
 use palpate_geometry::math::{Point3, Pose, Vector3};
@@ -15,17 +15,17 @@ type Corners = (Point3, Point3);
 
 /// Marks the pairs whose boxes meet. A tool's box holds its whole way from the last proxy to where
 /// it is free to go.
-pub(super) fn find(scene: &Scene, state: &SceneState, scratch: &mut Scratch) {
-    let Scratch {
-        tools,
-        bodies,
-        near,
-        ..
-    } = scratch;
+pub(super) fn find(
+    scene: &Scene,
+    states: &[ToolState],
+    tools: &[ToolScratch],
+    bodies: &[BodyScratch],
+    near: &mut Near,
+) {
     let way_of = |t: usize| -> Option<Corners> {
-        let (shape, rotation) = (&scene.tools[t].shape, state.tools[t].link.pose.orientation);
+        let (shape, rotation) = (&scene.tools[t].shape, states[t].link.pose.orientation);
         let at = |place: Point3| shape.bounds(&Pose::from_parts(place.coords.into(), rotation));
-        let ((low, high), (free_low, free_high)) = (at(state.tools[t].proxy)?, at(tools[t].free)?);
+        let ((low, high), (free_low, free_high)) = (at(states[t].proxy)?, at(tools[t].free)?);
         Some((low.inf(&free_low), high.sup(&free_high)))
     };
     let Near { marks, tree } = near;

@@ -109,7 +109,14 @@ pub(super) fn settle(scene: &Scene, state: &mut SceneState, scratch: &mut Scratc
         {
             if flight.is_left_alone() != leave {
                 flight.leave_alone(leave);
-                rigid::aim_body(scene, state, scratch, b, moving);
+                rigid::aim(
+                    scene,
+                    &scene.bodies[b],
+                    &state.bodies[b],
+                    &state.tools,
+                    &mut scratch.bodies[b],
+                    moving,
+                );
             }
             continue;
         }

@@ -10,10 +10,14 @@
 
 use super::flight::{Flight, Gives, load_on};
 use super::record::TickFault;
-use super::scratch::{BodyScratch, Scratch, box_of};
-use super::state::{BodyState, SceneState};
+use super::scratch::{BodyScratch, ToolScratch, box_of};
+use super::state::{BodyState, ToolState};
 use crate::haptics::LinkPhase;
-use crate::scene::{MovedBy, Mover, SPEED_MAX_M_S, Scene, TURNING_MAX_RAD_S, between, smooth};
+use crate::scene::{
+    Body, MovedBy, Mover, SPEED_MAX_M_S, Scene, TURNING_MAX_RAD_S, between, smooth,
+};
+use crate::solve::rows::Row;
+use crate::solve::solver::Solver;
 use palpate_geometry::math::{Point3, Pose, Rotation, Vector3, rotation_by, turn_between};
 use palpate_geometry::stateful;
 
@@ -160,7 +164,7 @@ impl RigidState {
     }
 
     /// After the next tick; a free body: if nothing touches it.
-    fn next(&self, mover: &Mover, scene: &Scene, state: &SceneState) -> Self {
+    fn next(&self, mover: &Mover, scene: &Scene, tools: &[ToolState]) -> Self {
         let mut next = Self {
             ticks: self.ticks + 1,
             ..*self
@@ -185,7 +189,7 @@ impl RigidState {
                 script.place(&mover.placement, next.ticks as f64 * scene.dt_s)
             }
             MovedBy::Tool { tool, start } => {
-                let link = &state.tools[*tool].link;
+                let link = &tools[*tool].link;
                 if link.phase == LinkPhase::Absent {
                     return next;
                 }
@@ -329,23 +333,16 @@ impl RigidScratch {
     }
 }
 
-/// Finds where each body goes in this tick.
-pub(super) fn aim(scene: &Scene, state: &SceneState, scratch: &mut Scratch, moving: bool) {
-    for b in 0..scene.bodies.len() {
-        aim_body(scene, state, scratch, b, moving);
-    }
-}
-
-/// The same for one of them.
-pub(super) fn aim_body(
+/// Finds where a body goes in this tick; `tools`: those that may take it along.
+pub(super) fn aim(
     scene: &Scene,
-    state: &SceneState,
-    scratch: &mut Scratch,
-    b: usize,
+    body: &Body,
+    state: &BodyState,
+    tools: &[ToolState],
+    parts: &mut BodyScratch,
     moving: bool,
 ) {
-    let body = &scene.bodies[b];
-    let (Some(mover), Some(now)) = (&body.mover, &state.bodies[b].rigid) else {
+    let (Some(mover), Some(now)) = (&body.mover, &state.rigid) else {
         return;
     };
     let BodyScratch {
@@ -354,7 +351,7 @@ pub(super) fn aim_body(
         step,
         rigid,
         ..
-    } = &mut scratch.bodies[b];
+    } = parts;
     let Some(rigid) = rigid else { return };
     *step = RigidStep::NONE;
     rigid.next = *now;
@@ -367,7 +364,7 @@ pub(super) fn aim_body(
     if !moving || now.flight().is_some_and(Flight::is_left_alone) {
         return;
     }
-    rigid.next = now.next(mover, scene, state);
+    rigid.next = now.next(mover, scene, tools);
     let rest = body.surface.net().points();
     let most = place(&rigid.next, mover, rest, current, &mut rigid.net);
     let there = box_of(&rigid.net);
@@ -406,20 +403,23 @@ fn place(
 /// its start.
 pub(super) fn advance(
     scene: &Scene,
-    state: &mut SceneState,
-    scratch: &mut Scratch,
+    states: &mut [BodyState],
+    bodies: &mut [BodyScratch],
+    rows: &[Row],
+    solver: &Solver,
+    tools: &[ToolScratch],
 ) -> Option<TickFault> {
     let mut fault = None;
     for (b, body) in scene.bodies.iter().enumerate() {
-        let load = scratch.bodies[b]
+        let load = bodies[b]
             .gives()
-            .map(|gives| load_on(scratch, b, gives));
+            .map(|gives| load_on(rows, solver, tools, b, gives));
         let BodyState {
             rigid: Some(now),
             revision,
             moved_m,
             ..
-        } = &mut state.bodies[b]
+        } = &mut states[b]
         else {
             continue;
         };
@@ -429,7 +429,7 @@ pub(super) fn advance(
             step,
             rigid,
             ..
-        } = &mut scratch.bodies[b];
+        } = &mut bodies[b];
         let (Some(rigid), Some(mover)) = (rigid, &body.mover) else {
             continue;
         };

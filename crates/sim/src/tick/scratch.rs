@@ -323,7 +323,7 @@ impl Scene {
         };
         model
             .deformable
-            .set_field(&mut deforming.deformable, self.field(state));
+            .set_field(&mut deforming.deformable, self.field(&state.frame));
         if !predicted {
             model
                 .deformable

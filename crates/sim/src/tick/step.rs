@@ -98,17 +98,27 @@ pub fn render(
     output.clear(scene.tool_count());
     (output.tick, output.moving, output.quality) = (state.tick, moving, state.quality);
     let wanted = state.run == RunState::Running;
-    admit::admit(scene, state, input, wanted, output);
-    rigid::aim(scene, state, scratch, moving);
+    let SceneState { tools, pairs, .. } = state;
+    admit::admit(scene, tools, pairs, input, wanted, output);
+    aim(scene, state, scratch, moving);
     gather::gather(scene, state, scratch, moving);
     balance(scene, state, scratch).solve();
-    admit::release(scene, state, scratch, wanted, output);
+    let Scratch { rows, solver, .. } = &*scratch;
+    admit::release(scene, &mut state.tools, &rows.rows, solver, wanted, output);
     let states = &state.bodies;
     iterate::iterate(&mut balance(scene, state, scratch), states);
     emit::emit(scene, state, scratch, output);
     if std::mem::take(&mut state.faulted) {
         let tools = output.tools.as_mut_slice().iter_mut();
         tools.for_each(|tool| tool.flags |= flags::FAULT);
+    }
+}
+
+/// Finds where each rigid body goes in this tick.
+fn aim(scene: &Scene, state: &SceneState, scratch: &mut Scratch, moving: bool) {
+    let bodies = scene.bodies.iter().zip(&state.bodies);
+    for ((body, state_of), parts) in bodies.zip(&mut scratch.bodies) {
+        rigid::aim(scene, body, state_of, &state.tools, parts, moving);
     }
 }
 
@@ -129,7 +139,7 @@ fn balance<'a>(scene: &'a Scene, state: &'a SceneState, scratch: &'a mut Scratch
 pub(crate) fn depths_at_start(scene: &Scene) -> Vec<f64> {
     let mut state = scene.initial_state();
     let mut scratch = scene.scratch(&state);
-    rigid::aim(scene, &state, &mut scratch, true);
+    aim(scene, &state, &mut scratch, true);
     gather::gather(scene, &mut state, &mut scratch, true);
     let depth = |pair: &PairState| pair.proxy.deepest_m;
     state.pairs.iter().map(depth).collect()
