@@ -1,7 +1,7 @@
 //! The simulation: scenes, deforming bodies, contact forces, haptic couplings and the tick.
 //!
 //! ```text
-//! solve ──▶ body | haptics ──▶ scene ──▶ tick
+//! solve ──▶ body | haptics ──▶ scene ──▶ party ──▶ tick
 //! ```
 //! [`tick::step`] is pure: no clock, no I/O, no allocation, no lock, no error. Given the same build
 //! and inputs it computes the same bits. What drives it in real time, publishes and records it is
@@ -9,6 +9,7 @@
 
 pub mod body;
 pub mod haptics;
+pub mod party;
 pub mod scene;
 pub mod solve;
 pub mod tick;

@@ -10,6 +10,11 @@ use super::rows::Row;
 use super::sharing::Share;
 use palpate_geometry::math::Vector3;
 
+/// Rows up to which soft modes are added to the matrix.
+pub const MANY_ROWS: usize = 256;
+/// Turns of a free body.
+pub const TURNS: usize = 3;
+
 /// Contact forces of the rows of a tick, and what finds them.
 #[derive(Debug)]
 pub struct Solver {

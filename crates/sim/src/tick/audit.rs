@@ -1,8 +1,8 @@
 //! What a tick's contact solve came to, for whoever measures; no stage uses it.
 
-use super::flight::RigidMotion;
 use super::scratch::Scratch;
 use super::state::SceneState;
+use crate::party::RigidMotion;
 use crate::scene::Scene;
 use crate::solve::rows::Holder;
 use palpate_geometry::math::{Point3, Vector3};
@@ -53,7 +53,11 @@ impl Scene {
     /// How a free rigid body moves; `None` of others.
     pub fn rigid_motion(&self, state: &SceneState, body: usize) -> Option<RigidMotion> {
         let state = state.bodies[body].rigid.as_ref()?;
-        RigidMotion::of(self.bodies[body].mover.as_ref()?, state)
+        RigidMotion::of(
+            self.bodies[body].mover.as_ref()?,
+            (&state.position, &state.rotation),
+            state.flight()?,
+        )
     }
 
     /// True when a body lies at rest on others and is left alone.

@@ -12,30 +12,25 @@
 //! With friction or grips, forces have three components and rows move each other by the bracket
 //! alone, without n_i · n_j.
 
-use super::flight::Gives;
-use super::scratch::ToolScratch;
-use super::{BodyScratch, ToolState, Warm, WarmRow};
+use super::{Warm, WarmRow};
 use super::{dent, quality, stick};
 use crate::body::Deformable;
+use crate::party::{BodyScratch, Gives, ToolScratch, ToolState};
 use crate::scene::{Body, BodyModel, Scene};
 use crate::solve::cones::{self, ConeShare};
 use crate::solve::friction::{FrictionLaw, Lever};
 use crate::solve::hold::{Barrier, hold};
 use crate::solve::rows::{Holder, Row, RowSet};
 use crate::solve::sharing::{Share, share};
-use crate::solve::solver::Solver;
+use crate::solve::solver::{MANY_ROWS, Solver, TURNS};
 use palpate_geometry::math::Vector3;
 
-/// Rows up to which soft modes are added to the matrix.
-pub(super) const MANY_ROWS: usize = 256;
 /// Enough for a corner of three planes: rows on rigid bodies are few.
 const RIGID_SWEEPS: usize = 50;
 /// Rows of a tool that turns lean on each other through its arms.
 const TURNING_SWEEPS: usize = 200;
 /// Rows of a free body lean on each other through its mass: three and more carry it where one would.
 const FREE_SWEEPS: usize = 200;
-/// Turns of a free body.
-pub(super) const TURNS: usize = 3;
 /// Fewest sweeps under lower quality, where there are as many.
 const LEAST_SWEEPS: usize = 10;
 /// Weight of a row that carries, relative to the depth that its force means to the coupling.

@@ -1,8 +1,8 @@
 //! What comes out of the contact solve: limited forces for the hands, loads for the bodies, reports
 //! for everybody.
 
+use super::bounce::is_between_rigid;
 use super::feet::margin_m;
-use super::flight::is_between_rigid;
 use super::record::{ContactReport, TickFault, TickOutput, ToolOutput};
 use super::{SceneState, Scratch, ToolState, WarmRow, flags};
 use super::{degraded, grip, load, lying, stick};

@@ -1,7 +1,7 @@
 //! From contacts to rows: which parties hold them, and how far free motion takes each.
 
 use super::BodyScratch;
-use super::rigid::RigidStep;
+use crate::party::RigidStep;
 use crate::scene::{Body, BodyModel, Pair};
 use crate::solve::friction::FrictionLaw;
 use crate::solve::row_key::{RowId, RowKey};

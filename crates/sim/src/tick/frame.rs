@@ -1,7 +1,7 @@
 //! A frame that a tool carries about: bodies in it feel how it tilts, shakes and turns.
 
-use super::state::ToolState;
 use crate::body::Field;
+use crate::party::ToolState;
 use crate::scene::Scene;
 use palpate_geometry::math::{Point3, Rotation, Vector3};
 use palpate_geometry::stateful;

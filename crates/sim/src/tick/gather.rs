@@ -13,7 +13,7 @@ use super::feet::{MAX_FEET, Way, margin_m, meet, moving, push_foot, push_sample,
 use super::follow::{Follow, Treader, push_feet};
 use super::manifold::{Stance, push_manifold};
 use super::{PairState, SceneState, Scratch};
-use super::{dent, flight, grip, rest, stick};
+use super::{bounce, dent, grip, rest, stick};
 use crate::haptics::LinkPhase;
 use crate::scene::{BodyModel, Pair, Scene};
 use crate::solve::indentation::Touch;
@@ -132,7 +132,7 @@ pub(super) fn gather(scene: &Scene, state: &mut SceneState, scratch: &mut Scratc
             );
         }
     }
-    flight::meet(scene, &mut scratch.rows.rows);
+    bounce::meet(scene, &mut scratch.rows.rows);
 }
 
 /// A point or a sphere: its proxy on the exact surface.

@@ -2,9 +2,9 @@
 
 use super::feet::{margin_m, push_anchor, view};
 use super::record::ToolOutput;
-use super::scratch::ToolScratch;
 use super::{BodyScratch, ToolState, flags};
 use crate::haptics::LinkPhase;
+use crate::party::ToolScratch;
 use crate::scene::Scene;
 use crate::solve::friction::FrictionLaw;
 use crate::solve::grip::{GRAB, GripState, MAX_ANCHORS, apart_m, strength};

@@ -1,9 +1,8 @@
 //! What the rows' forces come to: a wrench on each tool, and forces on the control points of
 //! bodies.
 
-use super::scratch::ToolScratch;
-use super::{BodyScratch, ToolState};
 use crate::haptics::{LinkPhase, limit};
+use crate::party::{BodyScratch, Gives, ToolScratch, ToolState};
 use crate::scene::{Body, BodyModel, DeformingBody, Tool};
 use crate::solve::friction::{FrictionLaw, FrictionProblem};
 use crate::solve::rows::{Holder, Row, RowSet};
@@ -173,4 +172,25 @@ pub(super) fn push_bodies(
             }
         }
     }
+}
+
+/// Force (N) and moment about its centre of mass (N·m) of the contacts of the tick on a free body.
+pub(super) fn load_on(
+    rows: &[Row],
+    solver: &Solver,
+    tools: &[ToolScratch],
+    body: usize,
+    gives: &Gives,
+) -> (Vector3, Vector3) {
+    let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
+    for (i, row) in rows.iter().enumerate() {
+        for (sign, _) in row.sides_on(body) {
+            if solver.carries(i) {
+                let push = on_bodies(row, i, solver, tools) * sign;
+                force += push;
+                moment += gives.arm(row).cross(&push);
+            }
+        }
+    }
+    (force, moment)
 }

@@ -6,10 +6,10 @@
 //! each is looked up again where the body now is, by descent from its last foot. A point of a body may
 //! never be inside of another, so such a row is right wherever the body has rolled to meanwhile.
 
+use super::bounce::is_between_rigid;
 use super::feet::margin_m;
-use super::flight::{Gives, is_between_rigid, on_holder as place_on_holder};
-use super::scratch::BodyScratch;
 use super::warm::WarmRow;
+use crate::party::{BodyScratch, Gives};
 use crate::scene::Scene;
 use crate::solve::rows::{Holder, Row};
 use palpate_geometry::contact::{Contact, ToolPoint};
@@ -35,7 +35,7 @@ pub(super) fn on_holder(scene: &Scene, bodies: &[BodyScratch], row: &Row) -> Opt
         return None;
     };
     let gives = bodies[other as usize].gives()?;
-    is_between_rigid(scene, row).then(|| gives.to_body(&place_on_holder(row)))
+    is_between_rigid(scene, row).then(|| gives.to_body(&(row.point + row.normal * row.now_m)))
 }
 
 /// The contact of a point that touched in the last tick, where it now is; `side` is −1 below a sheet.

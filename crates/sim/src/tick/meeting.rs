@@ -6,10 +6,10 @@
 //! where it stuck.
 
 use super::feet::{MAX_FEET, push_between};
-use super::flight::Gives;
 use super::lying;
-use super::rigid::RigidStep;
 use super::{BodyScratch, WarmRow};
+use crate::party::Gives;
+use crate::party::RigidStep;
 use crate::scene::Pair;
 use crate::solve::row_key::{FEET_OF_PAIR, RowKey};
 use crate::solve::rows::{DeformingView, RowSet};

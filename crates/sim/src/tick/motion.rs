@@ -4,10 +4,12 @@
 //! ticks later, on whatever thread it was done. In between its surface stands still and answers
 //! with its compliance. A step that is [late](super::late) may be put off, by a tick each time.
 
+use super::load::load_on;
 use super::record::TickFault;
-use super::scratch::{DeformingScratch, Scratch};
-use super::state::{BodyState, Pipeline, SceneState};
+use super::scratch::Scratch;
+use super::state::{Pipeline, SceneState};
 use crate::body::{DeformableState, Field};
+use crate::party::{BodyState, DeformingScratch};
 use crate::scene::{BodyModel, DeformingBody, Scene};
 use palpate_geometry::math::Point3;
 use palpate_geometry::surface::Surface;
@@ -26,14 +28,16 @@ pub(super) fn advance(
     state: &mut SceneState,
     scratch: &mut Scratch,
 ) -> Option<TickFault> {
-    let mut fault = super::rigid::advance(
-        scene,
-        &mut state.bodies,
-        &mut scratch.bodies,
-        &scratch.rows.rows,
-        &scratch.solver,
-        &scratch.tools,
-    );
+    let mut fault =
+        crate::party::rigid::advance(scene, &mut state.bodies, &mut scratch.bodies, |b, gives| {
+            load_on(
+                &scratch.rows.rows,
+                &scratch.solver,
+                &scratch.tools,
+                b,
+                gives,
+            )
+        });
     scene.follow_frame(&mut state.frame, &state.tools);
     let field = scene.field(&state.frame);
     for (b, body) in scene.bodies.iter().enumerate() {

@@ -4,8 +4,9 @@
 //! box against box, so that the answer does not depend on what the tree remembers.
 
 use super::feet::{margin_m, meet};
-use super::scratch::{BodyScratch, Near, ToolScratch};
-use super::state::ToolState;
+use super::scratch::Near;
+use crate::party::ToolState;
+use crate::party::{BodyScratch, ToolScratch};
 use crate::scene::Scene;
 use crate::solve::rows::Holder;
 use palpate_geometry::math::{Point3, Pose, Vector3};

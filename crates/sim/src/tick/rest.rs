@@ -8,46 +8,11 @@
 
 use super::between::bodies;
 use super::record::ContactReport;
-use super::{SceneState, Scratch, WarmRow, rigid};
+use super::{SceneState, Scratch, WarmRow};
 use crate::haptics::LinkPhase;
+use crate::party::rigid;
 use crate::scene::{Body, BodyModel, Pair, Scene};
 use crate::solve::rows::Holder;
-
-/// Buffers; the state says which bodies are left alone.
-#[derive(Debug, Default)]
-pub(super) struct Rest {
-    /// By body: something moves it, or may.
-    awake: Vec<bool>,
-    /// By pair: `reports` holds its contacts.
-    reported: Vec<bool>,
-    /// Contacts of pairs left alone, by pair.
-    pub reports: Vec<(u32, ContactReport)>,
-    /// Their rows, in order.
-    pub rows: Vec<WarmRow>,
-}
-
-impl Rest {
-    pub(super) fn new(scene: &Scene) -> Self {
-        let between = |pair: &&Pair| matches!(pair.holder, Holder::Body(_));
-        let most = match scene.pairs.iter().filter(between).count() {
-            0 => 0,
-            _ => scene.most_rows(),
-        };
-        Self {
-            awake: vec![false; scene.bodies.len()],
-            reported: vec![false; scene.pairs.len()],
-            reports: Vec::with_capacity(most),
-            rows: Vec::with_capacity(most),
-        }
-    }
-
-    /// What it holds is of another state.
-    pub(super) fn forget(&mut self) {
-        self.reported.fill(false);
-        self.reports.clear();
-        self.rows.clear();
-    }
-}
 
 /// Such a body can be left alone.
 fn may_rest(body: &Body) -> bool {

@@ -1,23 +1,21 @@
 //! Buffers of a step, made anew from the state.
 
-use super::balance;
-use super::rest::Rest;
-use super::rigid::{self, RigidScratch, RigidStep};
+use super::resting::Rest;
 use super::state::{Pipeline, SceneState};
-use crate::body::DeformableScratch;
-use crate::scene::{Body, BodyModel, Pair, Scene};
+use crate::party::{
+    BodyScratch, DeformingScratch, RigidScratch, RigidStep, ToolScratch, box_of, rigid,
+};
+use crate::scene::{BodyModel, Pair, Scene};
 use crate::solve::complementarity::Complementarity;
 use crate::solve::delassus::Delassus;
 use crate::solve::friction::FrictionProblem;
 use crate::solve::indentation::{Indentation, Touch};
 use crate::solve::rows::{MAX_ROWS_PER_PAIR, RowSet, SampleInTouch};
-use crate::solve::side::Sided;
-use crate::solve::solver::Solver;
+use crate::solve::solver::{MANY_ROWS, Solver, TURNS};
 use palpate_geometry::contact::broad::{BroadPhase, MAX_BOXES};
 use palpate_geometry::contact::dispatch::Narrow;
-use palpate_geometry::contact::pair::PairSide;
 use palpate_geometry::contact::spheres::Counters;
-use palpate_geometry::math::{Point3, Rotation, Vector3};
+use palpate_geometry::math::Vector3;
 use palpate_geometry::surface::{ClosestSolver, Surface};
 
 /// Buffers of a step; nothing in it outlives a tick except what can be computed anew from the
@@ -74,30 +72,6 @@ impl Scratch {
     }
 }
 
-/// Buffers of a tool.
-#[derive(Clone, Debug)]
-pub(super) struct ToolScratch {
-    /// Where free motion of the coupling takes the proxy, m.
-    pub free: Point3,
-    /// How it turns it.
-    pub free_turn: Rotation,
-    /// The proxy held back by the surfaces as they stand, m.
-    pub proxy: Point3,
-    /// Share of its contact forces that the limiter lets through.
-    pub borne: f64,
-}
-
-impl Default for ToolScratch {
-    fn default() -> Self {
-        Self {
-            free: Point3::origin(),
-            free_turn: Rotation::identity(),
-            proxy: Point3::origin(),
-            borne: 0.0,
-        }
-    }
-}
-
 /// Fewer pairs than this are looked at one by one; a tree would cost more than it saves.
 const FEW: usize = 16;
 /// Boxes of the tree are widened by this share of the smallest body's size.
@@ -132,49 +106,6 @@ impl Near {
     pub(super) fn is_near(&self, p: usize) -> bool {
         self.marks[p]
     }
-}
-
-/// Buffers of a body.
-#[derive(Debug)]
-pub struct BodyScratch {
-    /// The surface with the net of the state.
-    pub(super) surface: Surface,
-    pub(super) solver: ClosestSolver,
-    /// Box of the net now and after free motion: the surface stays in it through the tick.
-    pub(super) bounds: (Point3, Point3),
-    pub(super) deforming: Option<DeformingScratch>,
-    /// How far it goes in the tick under way, when it is rigid and moves.
-    pub(super) step: RigidStep,
-    pub(super) rigid: Option<Box<RigidScratch>>,
-}
-
-impl BodyScratch {
-    /// The surface as points see it that keep their side of it.
-    pub(super) fn sided(&mut self, body: &Body) -> Sided<'_> {
-        Sided {
-            surface: &self.surface,
-            solver: &mut self.solver,
-            size_m: body.size_m,
-            two_sided: body.two_sided,
-        }
-    }
-
-    /// The surface as contact queries take it.
-    pub(super) fn side(&mut self) -> PairSide<'_> {
-        PairSide {
-            surface: &self.surface,
-            solver: &mut self.solver,
-        }
-    }
-}
-
-#[derive(Debug)]
-pub(super) struct DeformingScratch {
-    pub deformable: DeformableScratch,
-    /// Net after the next free motion.
-    pub predicted_net: Vec<Point3>,
-    /// What one more iteration changed of it.
-    pub change: Vec<Vector3>,
 }
 
 impl Scene {
@@ -225,9 +156,9 @@ impl Scene {
         let frictional = self.pairs.iter().any(|pair| pair.friction.is_some());
         let modes = deformables().map(|body| body.mode_count());
         let (soft_modes, most_modes) = modes.fold((0, 0), |(sum, most), m| (sum + m, most.max(m)));
-        let many = soft_modes > 0 && most_rows > balance::MANY_ROWS;
+        let many = soft_modes > 0 && most_rows > MANY_ROWS;
         let free = (0..self.body_count()).filter(|&body| self.is_free(body));
-        let turns = balance::TURNS * free.count();
+        let turns = TURNS * free.count();
         let grips = self.tools.iter().any(|tool| tool.grip_n > 0.0);
         let frictional_rows = if frictional || grips || many {
             most_rows
@@ -248,7 +179,7 @@ impl Scene {
                     frictional_rows,
                     self.tools.len(),
                     soft_modes + turns + self.pairs.len(),
-                    2 * most_modes.max(turns.min(balance::TURNS)) + 1,
+                    2 * most_modes.max(turns.min(TURNS)) + 1,
                 ),
                 sticks: Vec::with_capacity(frictional_rows),
                 cones: Vec::with_capacity(frictional_rows),
@@ -256,7 +187,7 @@ impl Scene {
                 barriers: Vec::with_capacity(most_rows),
                 delassus: Delassus::new(2 * most_rows, width, unknowns, surface),
                 mode_moves: vec![Vector3::zeros(); most_modes],
-                modes_along: vec![0.0; most_rows.min(balance::MANY_ROWS) * most_modes],
+                modes_along: vec![0.0; most_rows.min(MANY_ROWS) * most_modes],
                 touches: vec![Touch::default(); self.pairs.len()],
                 indentations: vec![Indentation::default(); self.pairs.len()],
             },
@@ -345,12 +276,4 @@ impl Scene {
         );
         *bounds = (now.0.inf(&then.0), now.1.sup(&then.1));
     }
-}
-
-/// Least and greatest coordinates.
-pub(super) fn box_of(points: &[Point3]) -> (Point3, Point3) {
-    let infinite = Point3::from([f64::INFINITY; 3]);
-    points.iter().fold((infinite, -infinite), |(low, high), p| {
-        (low.inf(p), high.sup(p))
-    })
 }

@@ -2,14 +2,14 @@
 
 use super::frame::FrameState;
 use super::quality;
-use super::rigid::RigidState;
 use super::warm::Warm;
 use crate::body::{DeformableState, Field};
 use crate::haptics::{DeviceBounds, Link, Port};
+use crate::party::{BodyState, RigidState, ToolState};
 use crate::scene::{BodyModel, Scene};
 use crate::solve::grip::{GRAB, GripState};
 use crate::solve::proxy::ProxyState;
-use palpate_geometry::math::{Coded, Point3, Rotation, StateSize, Vector3, state_size};
+use palpate_geometry::math::{Coded, Point3, StateSize, Vector3, state_size};
 use palpate_geometry::stateful;
 use palpate_geometry::surface::WarmFoot;
 
@@ -52,27 +52,6 @@ pub struct SceneState {
     pub warm: Warm,
 }
 
-/// State of a body.
-#[derive(Debug, Default, PartialEq)]
-pub struct BodyState {
-    /// Nodes, when it deforms.
-    pub deformable: Option<DeformableState>,
-    /// Grows with every change of the net.
-    pub revision: u64,
-    /// How far the farthest control point moved in the last tick, m.
-    pub moved_m: f64,
-    /// Ticks since the body's step began, for bodies that step once in several ticks; those by which it
-    /// was put off do not count.
-    pub phase: u32,
-    /// The next tick neither begins nor takes over a step: it is late.
-    pub put_off: bool,
-    /// (coordinates), N: contact forces of the tick in which that step began; empty for bodies that
-    /// step every tick.
-    pub loads: Vec<Vector3>,
-    /// Where it is, when it is rigid and moves.
-    pub rigid: Option<RigidState>,
-}
-
 /// Steps of bodies on other threads: begun with the loads of one tick, taken over some ticks later,
 /// always the same number but for those in which they were put off.
 pub trait Pipeline: Send + std::fmt::Debug {
@@ -97,23 +76,6 @@ pub trait Pipeline: Send + std::fmt::Debug {
     ) -> bool;
     /// Forgets all steps that were begun.
     fn cancel(&mut self);
-}
-
-/// State of a tool.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ToolState {
-    /// Its device.
-    pub link: Link,
-    /// Where the surface holds the tool back, m.
-    pub proxy: Point3,
-    /// How it is turned there; without a coupling for rotation, as the device is.
-    pub orientation: Rotation,
-    /// Energy between its device and the loop.
-    pub port: Port,
-    /// What its device can bear, as reported.
-    pub bounds: DeviceBounds,
-    /// What it grabs; nothing while the button is up.
-    pub grip: GripState,
 }
 
 /// State of a pair.
@@ -231,53 +193,6 @@ impl Clone for SceneState {
     }
 }
 
-impl Clone for BodyState {
-    fn clone(&self) -> Self {
-        let mut copy = Self::default();
-        copy.clone_from(self);
-        copy
-    }
-
-    /// Allocates nothing between states of one body.
-    fn clone_from(&mut self, from: &Self) {
-        let Self {
-            deformable,
-            revision,
-            moved_m,
-            phase,
-            put_off,
-            loads,
-            rigid,
-        } = self;
-        *rigid = from.rigid;
-        // `Option` hands its value's own `clone_from` on.
-        deformable.clone_from(&from.deformable);
-        (*revision, *moved_m) = (from.revision, from.moved_m);
-        (*phase, *put_off) = (from.phase, from.put_off);
-        loads.clone_from(&from.loads);
-    }
-}
-
-impl BodyState {
-    /// It lies at rest, and may be left alone with its contacts.
-    pub(super) fn lies_calm(&self) -> bool {
-        let free = self.rigid.as_ref().and_then(RigidState::flight);
-        self.deformable
-            .as_ref()
-            .is_some_and(|body| body.lies_calm())
-            || free.is_some_and(|flight| flight.lies_calm())
-    }
-
-    /// It is left alone.
-    pub(super) fn is_left_alone(&self) -> bool {
-        let free = self.rigid.as_ref().and_then(RigidState::flight);
-        self.deformable
-            .as_ref()
-            .is_some_and(|body| body.is_left_alone())
-            || free.is_some_and(|flight| flight.is_left_alone())
-    }
-}
-
 impl SceneState {
     /// Net of a body now, u-major, m; `out` is as long as the net of [`Scene::rest_surface`].
     pub fn copy_net(&self, scene: &Scene, body: usize, out: &mut [Point3]) {
@@ -383,52 +298,6 @@ stateful!(SceneState, |this, walk| {
     }
     walk.part(warm)?;
     Ok(())
-});
-
-stateful!(BodyState, |this, walk| {
-    let BodyState {
-        deformable,
-        revision,
-        moved_m,
-        phase,
-        put_off,
-        loads,
-        rigid,
-    } = this;
-    walk.word(revision)?;
-    walk.float(moved_m)?;
-    if let Some(deformable) = deformable {
-        walk.part(deformable)?;
-        if !loads.is_empty() {
-            walk.packed("phase of a body's step", [(0, phase), (32, put_off)])?;
-            walk.triples(loads)?;
-        }
-    }
-    if let Some(rigid) = rigid {
-        walk.part(rigid)?;
-    }
-    Ok(())
-});
-
-stateful!(ToolState, |this, walk| {
-    let ToolState {
-        link,
-        proxy,
-        orientation,
-        port,
-        bounds,
-        grip,
-    } = this;
-    walk.part(link)?;
-    walk.point(proxy)?;
-    walk.rotation(orientation)?;
-    walk.part(port)?;
-    walk.part(bounds)?;
-    if link.pose.buttons & GRAB != 0 {
-        walk.part(grip)
-    } else {
-        walk.clear(grip)
-    }
 });
 
 stateful!(PairState, |this, walk| {

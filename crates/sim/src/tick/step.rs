@@ -4,7 +4,8 @@ use super::balance::Balance;
 use super::explain::{self, Explanation};
 use super::record::{Command, TickInput, TickOutput};
 use super::{PairState, RunState, SceneState, Scratch, flags, quality};
-use super::{admit, emit, gather, iterate, motion, rigid};
+use super::{admit, emit, gather, iterate, motion};
+use crate::party::rigid;
 use crate::scene::Scene;
 use palpate_geometry::math::{SavedState, StateError, state_hash};
 

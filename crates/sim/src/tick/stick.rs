@@ -5,8 +5,8 @@
 //! [`super::balance`]. And each row that sticks remembers where.
 
 use super::feet::view;
-use super::scratch::ToolScratch;
 use super::{BodyScratch, Warm, WarmRow};
+use crate::party::ToolScratch;
 use crate::scene::{Body, Pair, Scene};
 use crate::solve::friction::{FrictionLaw, Stick};
 use crate::solve::proxy::ProxyState;

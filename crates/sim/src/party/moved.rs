@@ -1,23 +1,10 @@
-//! Rigid bodies that move. Of most a script, the device of a tool or a command says where to, and contact
-//! does not move them; of those that are free, [`super::flight`].
-//!
-//! ```text
-//! Render   aim      where the body goes in this tick; rows see how far it takes each of its points
-//! Deform   advance  it is there, a free one where contact let it go; its net follows
-//! ```
-//! What they press gives way as to any other surface, and slip counts relative to them, so that
-//! friction drags what lies on them along.
+//! A rigid body that moves: where it is, and what takes it on.
 
-use super::flight::{Flight, Gives, load_on};
-use super::record::TickFault;
-use super::scratch::{BodyScratch, ToolScratch, box_of};
-use super::state::{BodyState, ToolState};
+use super::free::{Flight, Gives};
+use super::tool::ToolState;
 use crate::haptics::LinkPhase;
-use crate::scene::{
-    Body, MovedBy, Mover, SPEED_MAX_M_S, Scene, TURNING_MAX_RAD_S, between, smooth,
-};
-use crate::solve::rows::Row;
-use crate::solve::solver::Solver;
+use crate::scene::{MovedBy, Mover, SPEED_MAX_M_S, Scene, TURNING_MAX_RAD_S, between, smooth};
+use crate::tick::record::TickFault;
 use palpate_geometry::math::{Point3, Pose, Rotation, Vector3, rotation_by, turn_between};
 use palpate_geometry::stateful;
 
@@ -102,7 +89,7 @@ stateful!(Sent, |this, walk| {
 
 impl RigidState {
     /// At the start.
-    pub(super) fn start(mover: &Mover) -> Self {
+    pub(crate) fn start(mover: &Mover) -> Self {
         Self {
             ticks: 0,
             position: Point3::from(mover.placement.translation.vector),
@@ -123,7 +110,7 @@ impl RigidState {
     }
 
     /// The same, to be changed.
-    pub(super) fn flight_mut(&mut self) -> Option<&mut Flight> {
+    pub(crate) fn flight_mut(&mut self) -> Option<&mut Flight> {
         match &mut self.course {
             Course::Free(flight) => Some(flight),
             Course::Sent(_) => None,
@@ -132,7 +119,7 @@ impl RigidState {
 
     /// Sends it to a place, in so many ticks, or more if it would be too fast. A free body stays where it
     /// is.
-    pub(super) fn send(&mut self, to: (Point3, Rotation), ticks: u32, dt_s: f64) {
+    pub(crate) fn send(&mut self, to: (Point3, Rotation), ticks: u32, dt_s: f64) {
         let Course::Sent(sent) = &mut self.course else {
             return;
         };
@@ -153,7 +140,7 @@ impl RigidState {
     }
 
     /// The same somewhere else, by so much (m, world axes).
-    pub(super) fn moved(&self, by: &Vector3) -> Self {
+    pub(crate) fn moved(&self, by: &Vector3) -> Self {
         let mut moved = *self;
         moved.position += by;
         if let Course::Sent(sent) = &mut moved.course {
@@ -164,7 +151,7 @@ impl RigidState {
     }
 
     /// After the next tick; a free body: if nothing touches it.
-    fn next(&self, mover: &Mover, scene: &Scene, tools: &[ToolState]) -> Self {
+    pub(super) fn next(&self, mover: &Mover, scene: &Scene, tools: &[ToolState]) -> Self {
         let mut next = Self {
             ticks: self.ticks + 1,
             ..*self
@@ -205,7 +192,7 @@ impl RigidState {
 
     /// A free body after the next tick, under a force (N) and a moment about its centre (N·m) of its
     /// contacts.
-    fn pushed(&self, mover: &Mover, scene: &Scene, load: (Vector3, Vector3)) -> Self {
+    pub(super) fn pushed(&self, mover: &Mover, scene: &Scene, load: (Vector3, Vector3)) -> Self {
         let (Some(free), Some(flight)) = (mover.free(), self.flight()) else {
             return *self;
         };
@@ -226,7 +213,7 @@ impl RigidState {
 
     /// What is wrong with a free body in this state, if anything: not all of it is a number, or it is faster than a
     /// body can be.
-    fn unsound(&self, body: usize) -> Option<TickFault> {
+    pub(super) fn unsound(&self, body: usize) -> Option<TickFault> {
         let (mut moves, mut fast) = (true, false);
         if let Some(flight) = self.flight() {
             moves = (flight.velocity_m_s + flight.momentum)
@@ -257,7 +244,7 @@ impl RigidState {
     }
 
     /// A point of the body at rest, where it is now.
-    pub(super) fn carry(&self, mover: &Mover, rest: &Point3) -> Point3 {
+    pub(crate) fn carry(&self, mover: &Mover, rest: &Point3) -> Point3 {
         let origin = Point3::from(mover.placement.translation.vector);
         if self.rotation == mover.placement.rotation {
             return rest + (self.position - origin);
@@ -269,7 +256,7 @@ impl RigidState {
 
 /// How a body turns in this tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Turn {
+pub(super) enum Turn {
     /// Each point goes where it will be.
     Whole(Rotation),
     /// Each point goes along its velocity, rad: what the turn of a free body lifts a point that rolls off
@@ -279,13 +266,13 @@ enum Turn {
 
 /// How far a body goes in this tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct RigidStep {
+pub(crate) struct RigidStep {
     /// Origin of its frame before, m.
-    from: Point3,
+    pub(super) from: Point3,
     /// Of that, m.
-    shift: Vector3,
+    pub(super) shift: Vector3,
     /// About it.
-    turn: Turn,
+    pub(super) turn: Turn,
     /// Of the control point that goes farthest, m.
     pub most_m: f64,
 }
@@ -314,157 +301,21 @@ impl RigidStep {
 
 /// Buffers of a body that moves.
 #[derive(Debug)]
-pub(super) struct RigidScratch {
+pub(crate) struct RigidScratch {
     /// Its net after the tick under way.
-    net: Vec<Point3>,
+    pub(super) net: Vec<Point3>,
     /// Its state after it; of a free body: if nothing touches it.
-    next: RigidState,
+    pub(super) next: RigidState,
     /// What it gives way in it, when it is free.
-    pub(super) gives: Option<Gives>,
+    pub(crate) gives: Option<Gives>,
 }
 
 impl RigidScratch {
-    pub(super) fn new(mover: &Mover, net: &[Point3]) -> Box<Self> {
+    pub(crate) fn new(mover: &Mover, net: &[Point3]) -> Box<Self> {
         Box::new(Self {
             net: net.to_vec(),
             next: RigidState::start(mover),
             gives: None,
         })
-    }
-}
-
-/// Finds where a body goes in this tick; `tools`: those that may take it along.
-pub(super) fn aim(
-    scene: &Scene,
-    body: &Body,
-    state: &BodyState,
-    tools: &[ToolState],
-    parts: &mut BodyScratch,
-    moving: bool,
-) {
-    let (Some(mover), Some(now)) = (&body.mover, &state.rigid) else {
-        return;
-    };
-    let BodyScratch {
-        surface,
-        bounds,
-        step,
-        rigid,
-        ..
-    } = parts;
-    let Some(rigid) = rigid else { return };
-    *step = RigidStep::NONE;
-    rigid.next = *now;
-    rigid.gives = mover
-        .free()
-        .map(|free| Gives::new(&free.mass, &now.position, &now.rotation, scene.dt_s));
-    let current = surface.net().points();
-    let here = box_of(current);
-    *bounds = here;
-    if !moving || now.flight().is_some_and(Flight::is_left_alone) {
-        return;
-    }
-    rigid.next = now.next(mover, scene, tools);
-    let rest = body.surface.net().points();
-    let most = place(&rigid.next, mover, rest, current, &mut rigid.net);
-    let there = box_of(&rigid.net);
-    *bounds = (here.0.inf(&there.0), here.1.sup(&there.1));
-    *step = RigidStep {
-        from: now.position,
-        shift: rigid.next.position - now.position,
-        turn: match rigid.next.rotation == now.rotation {
-            _ if now.flight().is_some() => {
-                Turn::Rate(turn_between(&now.rotation, &rigid.next.rotation))
-            }
-            true => Turn::Whole(Rotation::identity()),
-            false => Turn::Whole(rigid.next.rotation * now.rotation.inverse()),
-        },
-        most_m: most,
-    };
-}
-
-/// Writes the net of a body in a state; how far from where its points are the farthest is, m.
-fn place(
-    state: &RigidState,
-    mover: &Mover,
-    rest: &[Point3],
-    current: &[Point3],
-    net: &mut [Point3],
-) -> f64 {
-    let mut most: f64 = 0.0;
-    for ((to, rest), from) in net.iter_mut().zip(rest).zip(current) {
-        *to = state.carry(mover, rest);
-        most = most.max((*to - from).norm_squared());
-    }
-    most.sqrt()
-}
-
-/// Each body is where it was going, or where contact let it go; the last fault for which one had to be set back to
-/// its start.
-pub(super) fn advance(
-    scene: &Scene,
-    states: &mut [BodyState],
-    bodies: &mut [BodyScratch],
-    rows: &[Row],
-    solver: &Solver,
-    tools: &[ToolScratch],
-) -> Option<TickFault> {
-    let mut fault = None;
-    for (b, body) in scene.bodies.iter().enumerate() {
-        let load = bodies[b]
-            .gives()
-            .map(|gives| load_on(rows, solver, tools, b, gives));
-        let BodyState {
-            rigid: Some(now),
-            revision,
-            moved_m,
-            ..
-        } = &mut states[b]
-        else {
-            continue;
-        };
-        let BodyScratch {
-            surface,
-            solver,
-            step,
-            rigid,
-            ..
-        } = &mut bodies[b];
-        let (Some(rigid), Some(mover)) = (rigid, &body.mover) else {
-            continue;
-        };
-        if let Some(load) = load {
-            rigid.next = now.pushed(mover, scene, load);
-            if let Some(unsound) = rigid.next.unsound(b) {
-                rigid.next = RigidState::start(mover);
-                rigid.next.course = Course::Free(Flight::default());
-                fault = Some(unsound);
-            }
-            let (rest, current) = (body.surface.net().points(), surface.net().points());
-            step.most_m = place(&rigid.next, mover, rest, current, &mut rigid.net);
-        }
-        *now = rigid.next;
-        *moved_m = step.most_m;
-        if step.most_m > 0.0 {
-            *revision += 1;
-            surface.net_mut().points_mut().copy_from_slice(&rigid.net);
-            solver.net_changed();
-        }
-        *step = RigidStep::NONE;
-    }
-    fault
-}
-
-/// Brings a body's buffers in line with its state.
-pub(super) fn prepare(mover: &Mover, rest: &[Point3], state: &RigidState, parts: &mut BodyScratch) {
-    let points = parts.surface.net_mut().points_mut();
-    for (point, rest) in points.iter_mut().zip(rest) {
-        *point = state.carry(mover, rest);
-    }
-    parts.solver.net_changed();
-    parts.bounds = box_of(parts.surface.net().points());
-    parts.step = RigidStep::NONE;
-    if let Some(rigid) = &mut parts.rigid {
-        rigid.next = *state;
     }
 }

@@ -9,11 +9,8 @@
 //! [`Mass::turned`]. Contact takes all of the speed at which surfaces meet, unless the pair has a restitution
 //! (Moreau 1988): then they part with that share of it. Angular momentum in the world changes by moments alone, so that in flight it keeps its bits.
 
-use super::scratch::ToolScratch;
-use super::{BodyScratch, load};
-use crate::scene::{Body, Free, Mass, Mover, Scene};
-use crate::solve::rows::{Holder, Row};
-use crate::solve::solver::Solver;
+use crate::scene::{Free, Mass, Mover};
+use crate::solve::rows::Row;
 use palpate_geometry::math::{Point3, Rotation, Vector3};
 use palpate_geometry::stateful;
 
@@ -22,15 +19,6 @@ const CALM_TICKS: u32 = 100;
 /// Slow is slower than so many times `sleep_m_s`: as for deforming bodies that lie on others, whose contact
 /// points tremble.
 const TREMBLES: f64 = 300.0;
-/// Surfaces that are inside each other part no faster than this, m/s: a depth that was there before contact
-/// must not become energy.
-const PARTING_M_S: f64 = 0.05;
-
-/// Surfaces that meet more slowly do not bounce, m/s; nor do those that meet no faster than gravity gives in
-/// [`REST_TICKS`] ticks. Otherwise what lies on others would never come to rest.
-const REST_M_S: f64 = 0.01;
-const REST_TICKS: f64 = 4.0;
-
 /// How a free rigid body moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Flight {
@@ -59,7 +47,7 @@ stateful!(Flight, |this, walk| {
 
 impl Flight {
     /// At the start.
-    pub(super) fn start(free: &Free) -> Self {
+    pub(crate) fn start(free: &Free) -> Self {
         Self {
             velocity_m_s: free.velocity_m_s,
             momentum: free.mass.momentum(&free.mass.axes, &free.spin_rad_s),
@@ -68,17 +56,17 @@ impl Flight {
     }
 
     /// It has been at rest for a while.
-    pub(super) fn lies_calm(&self) -> bool {
+    pub(crate) fn lies_calm(&self) -> bool {
         self.calm >= CALM_TICKS
     }
 
     /// It lies at rest and neither moves nor is looked at.
-    pub(super) fn is_left_alone(&self) -> bool {
+    pub(crate) fn is_left_alone(&self) -> bool {
         self.left_alone
     }
 
     /// Leaves it alone, at rest, or takes it up again.
-    pub(super) fn leave_alone(&mut self, left_alone: bool) {
+    pub(crate) fn leave_alone(&mut self, left_alone: bool) {
         *self = match left_alone {
             true => Self {
                 calm: CALM_TICKS,
@@ -95,7 +83,7 @@ impl Flight {
 
     /// Where the body is after a tick, and how it moves then, under a force (N) and a moment about its
     /// centre (N·m) beside gravity.
-    pub(super) fn after(
+    pub(crate) fn after(
         &self,
         (position, rotation): (&Point3, &Rotation),
         free: &Free,
@@ -128,7 +116,7 @@ impl Flight {
 
 /// What a free body gives way in one tick, in the pose it has.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Gives {
+pub(crate) struct Gives {
     /// Centre of mass, m.
     centre: Point3,
     /// From its principal axes to the world.
@@ -142,7 +130,7 @@ pub(super) struct Gives {
 }
 
 impl Gives {
-    pub(super) fn new(mass: &Mass, position: &Point3, rotation: &Rotation, dt_s: f64) -> Self {
+    pub(crate) fn new(mass: &Mass, position: &Point3, rotation: &Rotation, dt_s: f64) -> Self {
         Self {
             centre: *position,
             rotation: *rotation,
@@ -154,7 +142,7 @@ impl Gives {
 
     /// From the centre of mass to where a row acts, m: on a tool's row where it is on the body, on others
     /// in the middle between both surfaces, so that two bodies keep their angular momentum together.
-    pub(super) fn arm(&self, row: &Row) -> Vector3 {
+    pub(crate) fn arm(&self, row: &Row) -> Vector3 {
         let place = match row.tool() {
             Some(_) => row.point,
             None => row.point + row.normal * (0.5 * row.now_m),
@@ -163,7 +151,7 @@ impl Gives {
     }
 
     /// How a moment turns it, rad.
-    pub(super) fn turned(&self, moment: &Vector3) -> Vector3 {
+    pub(crate) fn turned(&self, moment: &Vector3) -> Vector3 {
         let parts = self.axes.iter().zip(&self.turn_rad_nm);
         parts
             .map(|(axis, gain)| axis * (gain * axis.dot(moment)))
@@ -171,108 +159,20 @@ impl Gives {
     }
 
     /// How a turn by one rad about each of its axes moves a point at an arm, m.
-    pub(super) fn moves(&self, arm: &Vector3) -> [Vector3; 3] {
+    pub(crate) fn moves(&self, arm: &Vector3) -> [Vector3; 3] {
         self.axes.map(|axis| axis.cross(arm))
     }
 
     /// A point of the world, from the centre of mass in the principal axes, m.
-    pub(super) fn to_body(self, point: &Point3) -> Vector3 {
+    pub(crate) fn to_body(self, point: &Point3) -> Vector3 {
         self.rotation
             .inverse_transform_vector(&(point - self.centre))
     }
 
     /// The reverse.
-    pub(super) fn to_world(self, place: &Vector3) -> Point3 {
+    pub(crate) fn to_world(self, place: &Vector3) -> Point3 {
         self.centre + self.rotation * place
     }
-}
-
-impl BodyScratch {
-    /// What the body gives way in this tick, when it is rigid and free.
-    pub(super) fn gives(&self) -> Option<&Gives> {
-        self.rigid.as_ref()?.gives.as_ref()
-    }
-}
-
-/// Where a row acts on its holder, m.
-pub(super) fn on_holder(row: &Row) -> Point3 {
-    row.point + row.normal * row.now_m
-}
-
-/// Force (N) and moment about its centre of mass (N·m) of the contacts of the tick on a free body.
-pub(super) fn load_on(
-    rows: &[Row],
-    solver: &Solver,
-    tools: &[ToolScratch],
-    body: usize,
-    gives: &Gives,
-) -> (Vector3, Vector3) {
-    let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
-    for (i, row) in rows.iter().enumerate() {
-        for (sign, _) in row.sides_on(body) {
-            if solver.carries(i) {
-                let push = load::on_bodies(row, i, solver, tools) * sign;
-                force += push;
-                moment += gives.arm(row).cross(&push);
-            }
-        }
-    }
-    (force, moment)
-}
-
-/// How rows between rigid bodies, of which one is free, end the tick: what lies inside is not thrown out, and
-/// pairs with a restitution that are going to meet part.
-pub(super) fn meet(scene: &Scene, rows: &mut [Row]) {
-    let most_m = PARTING_M_S * scene.dt_s;
-    let gravity = Vector3::from(scene.spec.gravity.acceleration);
-    let rest_m_s = REST_M_S.max(REST_TICKS * scene.dt_s * gravity.norm());
-    for row in rows {
-        let Some([body, holder]) = rigid_parties(scene, row) else {
-            continue;
-        };
-        let restitution = scene.pairs[row.id.pair as usize].restitution;
-        let meeting_m_s = (row.now_m - row.gap_m) / scene.dt_s;
-        let meets = restitution > 0.0 && row.gap_m < 0.0 && meeting_m_s > rest_m_s;
-        let parting_m_s = meets.then(|| {
-            let falls = |body: &Body| f64::from(body.free().is_some());
-            let pull = row.normal.dot(&gravity) * (falls(body) - falls(holder));
-            parting(restitution, meeting_m_s, row.now_m, pull, scene.dt_s)
-        });
-        if let Some(parting_m_s) = parting_m_s.flatten() {
-            // Contact closes this gap and so gives that change of speed.
-            row.gap_m = -(meeting_m_s + parting_m_s) * scene.dt_s;
-        } else if row.now_m < -most_m {
-            row.gap_m -= row.now_m + most_m;
-        }
-    }
-}
-
-/// Speed (m/s) at which surfaces part that would meet at `meeting_m_s` within a tick and are `now_m` apart
-/// before it, pulled together with `pull` (m/s²); none where they do not come apart.
-///
-/// They turn round where they are and not where they would touch. The speed makes up for that, so that of the
-/// energy that symplectic Euler keeps, v² / 2 + g (z − v dt / 2), the square of the restitution is left.
-fn parting(restitution: f64, meeting_m_s: f64, now_m: f64, pull: f64, dt_s: f64) -> Option<f64> {
-    let touching = meeting_m_s * meeting_m_s + pull * (2.0 * now_m - dt_s * meeting_m_s);
-    let half = 0.5 * pull * dt_s;
-    let left = half * half + restitution * restitution * touching - 2.0 * pull * now_m;
-    let parting = libm::sqrt(left.max(0.0)) - half;
-    (parting > 0.0).then_some(parting)
-}
-
-/// Two rigid bodies, one of them free.
-pub(super) fn is_between_rigid(scene: &Scene, row: &Row) -> bool {
-    rigid_parties(scene, row).is_some()
-}
-
-/// The body and the holder of a row between two rigid bodies, of which one is free.
-fn rigid_parties<'s>(scene: &'s Scene, row: &Row) -> Option<[&'s Body; 2]> {
-    let Holder::Body(other) = row.holder else {
-        return None;
-    };
-    let parties = [row.body, other].map(|body| &scene.bodies[body as usize]);
-    let rigid = |body: &Body| body.is_firm() || body.free().is_some();
-    parties.into_iter().all(rigid).then_some(parties)
 }
 
 /// How a free rigid body moves, for whoever measures.
@@ -293,13 +193,17 @@ pub struct RigidMotion {
 }
 
 impl RigidMotion {
-    pub(super) fn of(mover: &Mover, state: &super::RigidState) -> Option<Self> {
-        let (mass, flight) = (&mover.free()?.mass, state.flight()?);
-        let spin_rad_s = mass.spin(&state.rotation, &flight.momentum);
+    pub(crate) fn of(
+        mover: &Mover,
+        (position, rotation): (&Point3, &Rotation),
+        flight: &Flight,
+    ) -> Option<Self> {
+        let mass = &mover.free()?.mass;
+        let spin_rad_s = mass.spin(rotation, &flight.momentum);
         let velocity_m_s = flight.velocity_m_s;
         Some(Self {
             mass_kg: mass.mass_kg,
-            centre: state.position,
+            centre: *position,
             velocity_m_s,
             spin_rad_s,
             momentum: flight.momentum,

@@ -1,0 +1,162 @@
+//! A body: its state, and its buffers.
+
+use super::free::Gives;
+use super::moved::{RigidScratch, RigidState, RigidStep};
+use crate::body::{DeformableScratch, DeformableState};
+use crate::scene::Body;
+use crate::solve::side::Sided;
+use palpate_geometry::contact::pair::PairSide;
+use palpate_geometry::math::{Point3, Vector3};
+use palpate_geometry::stateful;
+use palpate_geometry::surface::{ClosestSolver, Surface};
+
+/// State of a body.
+#[derive(Debug, Default, PartialEq)]
+pub struct BodyState {
+    /// Nodes, when it deforms.
+    pub deformable: Option<DeformableState>,
+    /// Grows with every change of the net.
+    pub revision: u64,
+    /// How far the farthest control point moved in the last tick, m.
+    pub moved_m: f64,
+    /// Ticks since the body's step began, for bodies that step once in several ticks; those by which it
+    /// was put off do not count.
+    pub phase: u32,
+    /// The next tick neither begins nor takes over a step: it is late.
+    pub put_off: bool,
+    /// (coordinates), N: contact forces of the tick in which that step began; empty for bodies that
+    /// step every tick.
+    pub loads: Vec<Vector3>,
+    /// Where it is, when it is rigid and moves.
+    pub rigid: Option<RigidState>,
+}
+
+impl Clone for BodyState {
+    fn clone(&self) -> Self {
+        let mut copy = Self::default();
+        copy.clone_from(self);
+        copy
+    }
+
+    /// Allocates nothing between states of one body.
+    fn clone_from(&mut self, from: &Self) {
+        let Self {
+            deformable,
+            revision,
+            moved_m,
+            phase,
+            put_off,
+            loads,
+            rigid,
+        } = self;
+        *rigid = from.rigid;
+        // `Option` hands its value's own `clone_from` on.
+        deformable.clone_from(&from.deformable);
+        (*revision, *moved_m) = (from.revision, from.moved_m);
+        (*phase, *put_off) = (from.phase, from.put_off);
+        loads.clone_from(&from.loads);
+    }
+}
+
+impl BodyState {
+    /// It lies at rest, and may be left alone with its contacts.
+    pub(crate) fn lies_calm(&self) -> bool {
+        let free = self.rigid.as_ref().and_then(RigidState::flight);
+        self.deformable
+            .as_ref()
+            .is_some_and(|body| body.lies_calm())
+            || free.is_some_and(|flight| flight.lies_calm())
+    }
+
+    /// It is left alone.
+    pub(crate) fn is_left_alone(&self) -> bool {
+        let free = self.rigid.as_ref().and_then(RigidState::flight);
+        self.deformable
+            .as_ref()
+            .is_some_and(|body| body.is_left_alone())
+            || free.is_some_and(|flight| flight.is_left_alone())
+    }
+}
+
+stateful!(BodyState, |this, walk| {
+    let BodyState {
+        deformable,
+        revision,
+        moved_m,
+        phase,
+        put_off,
+        loads,
+        rigid,
+    } = this;
+    walk.word(revision)?;
+    walk.float(moved_m)?;
+    if let Some(deformable) = deformable {
+        walk.part(deformable)?;
+        if !loads.is_empty() {
+            walk.packed("phase of a body's step", [(0, phase), (32, put_off)])?;
+            walk.triples(loads)?;
+        }
+    }
+    if let Some(rigid) = rigid {
+        walk.part(rigid)?;
+    }
+    Ok(())
+});
+
+/// Buffers of a body.
+#[derive(Debug)]
+pub struct BodyScratch {
+    /// The surface with the net of the state.
+    pub(crate) surface: Surface,
+    pub(crate) solver: ClosestSolver,
+    /// Box of the net now and after free motion: the surface stays in it through the tick.
+    pub(crate) bounds: (Point3, Point3),
+    pub(crate) deforming: Option<DeformingScratch>,
+    /// How far it goes in the tick under way, when it is rigid and moves.
+    pub(crate) step: RigidStep,
+    pub(crate) rigid: Option<Box<RigidScratch>>,
+}
+
+impl BodyScratch {
+    /// The surface as points see it that keep their side of it.
+    pub(crate) fn sided(&mut self, body: &Body) -> Sided<'_> {
+        Sided {
+            surface: &self.surface,
+            solver: &mut self.solver,
+            size_m: body.size_m,
+            two_sided: body.two_sided,
+        }
+    }
+
+    /// The surface as contact queries take it.
+    pub(crate) fn side(&mut self) -> PairSide<'_> {
+        PairSide {
+            surface: &self.surface,
+            solver: &mut self.solver,
+        }
+    }
+}
+
+#[derive(Debug)]
+pub(crate) struct DeformingScratch {
+    pub deformable: DeformableScratch,
+    /// Net after the next free motion.
+    pub predicted_net: Vec<Point3>,
+    /// What one more iteration changed of it.
+    pub change: Vec<Vector3>,
+}
+
+impl BodyScratch {
+    /// What the body gives way in this tick, when it is rigid and free.
+    pub(crate) fn gives(&self) -> Option<&Gives> {
+        self.rigid.as_ref()?.gives.as_ref()
+    }
+}
+
+/// Least and greatest coordinates.
+pub(crate) fn box_of(points: &[Point3]) -> (Point3, Point3) {
+    let infinite = Point3::from([f64::INFINITY; 3]);
+    points.iter().fold((infinite, -infinite), |(low, high), p| {
+        (low.inf(p), high.sup(p))
+    })
+}
