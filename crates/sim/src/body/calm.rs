@@ -1,7 +1,9 @@
 //! Whether a body that lies on others stays where it is, though its contacts tremble.
 
-use super::state::STILL_STEPS;
 use palpate_geometry::math::{Point3, Vector3};
+
+/// Steps in a row without motion after which a body sleeps.
+pub(super) const STILL_STEPS: u32 = 100;
 
 /// No node may be faster, in speeds below which a body that nothing touches sleeps: what is, is seen.
 const TREMBLE: f64 = 1e5;

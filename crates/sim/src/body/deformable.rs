@@ -7,17 +7,19 @@
 
 mod queries;
 
-use super::calm::Outline;
+use super::calm::{Outline, STILL_STEPS};
+use super::caution::ImplicitScratch;
 use super::columns;
 use super::excess;
 use super::field::Field;
-use super::implicit::{ImplicitScratch, ImplicitStep};
+use super::implicit::ImplicitStep;
 use super::material::Plastic;
 use super::matter::{Blueprint, FIXED, Matter, lanes};
 use super::node_map::NodeMap;
-use super::rigid_motion::{Momentum, RigidVelocity};
+use super::rigid_motion::Momentum;
+use super::rigid_velocity::RigidVelocity;
 use super::settings::{DeformableError, StepSettings};
-use super::state::{DeformableScratch, DeformableState, STILL_STEPS};
+use super::state::{DeformableScratch, DeformableState};
 use super::stepper::{Compliance, Stepper};
 use palpate_geometry::math::{Lane, Point3, Vector3};
 

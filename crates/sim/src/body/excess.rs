@@ -6,7 +6,8 @@
 
 use super::matter::{Matter, lanes};
 use super::node_map::NodeMap;
-use super::rigid_motion::{Momentum, RigidVelocity};
+use super::rigid_motion::Momentum;
+use super::rigid_velocity::RigidVelocity;
 use palpate_geometry::math::{Lane, Point3, Vector3};
 
 /// Takes so much energy (J), as far as there is motion to take it from.

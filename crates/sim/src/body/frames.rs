@@ -5,9 +5,9 @@
 //! part by Newton's method (Higham 1986). Only the preconditioner of the step uses it, so it need
 //! not be exact, but it must be a rotation or close to one whatever the positions are.
 
-use super::implicit::middle;
+use super::frame::{Frame, IDENTITY, from_rest};
 use super::matter::Matter;
-use super::neighbours::{adjacent, shortest_edges};
+use super::neighbours::{adjacent, middle, shortest_edges};
 use palpate_geometry::math::lanes::{Baseline, Four, Lanes};
 use palpate_geometry::math::{Lane, Matrix3, Point3, Vector3, simd};
 use std::collections::BTreeSet;
@@ -20,9 +20,6 @@ const FLAT: f64 = 0.05;
 const STEPS: usize = 3;
 /// Deformation gradients with a determinant outside of this range have no use for Newton's method.
 const DETERMINANTS: std::ops::Range<f64> = 0.05..20.0;
-
-/// Rows of a rotation.
-pub(super) type Frame = [[f64; 3]; 3];
 
 /// Constants of the fit.
 #[derive(Debug)]
@@ -407,9 +404,6 @@ fn choose<'a>(
         .map(|inverse| (chosen, inverse))
 }
 
-/// The frame of rest.
-pub(super) const IDENTITY: Frame = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-
 #[inline(always)]
 fn cross<L: Lanes>(a: [L; 3], b: [L; 3]) -> [L; 3] {
     [
@@ -457,23 +451,6 @@ fn frame_of_columns(gradient: &Frame) -> Frame {
     };
     let second = third.cross(&first);
     std::array::from_fn(|r| [first[r], second[r], third[r]])
-}
-
-/// Rᵀ v.
-#[inline(always)]
-pub(super) fn into_rest(frame: &Frame, v: &Lane) -> Lane {
-    let [a, b, c] = frame;
-    std::array::from_fn(|k| match k {
-        3 => 0.0,
-        k => a[k] * v[0] + b[k] * v[1] + c[k] * v[2],
-    })
-}
-
-/// R v.
-#[inline(always)]
-pub(super) fn from_rest(frame: &Frame, v: &Lane) -> Lane {
-    let turned = frame.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2]);
-    [turned[0], turned[1], turned[2], 0.0]
 }
 
 #[cfg(test)]

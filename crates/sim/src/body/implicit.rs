@@ -16,18 +16,18 @@
 
 mod matrices;
 
+use super::caution::{BOUNDING, Caution, ImplicitScratch};
 use super::continuum::TANGENT_REACH;
-use super::frames::{Frame, Frames, IDENTITY, from_rest, into_rest};
+use super::frame::{Frame, IDENTITY, from_rest, into_rest};
+use super::frames::Frames;
 use super::look_ahead::LookAhead;
 use super::matter::{FIXED, Matter, lanes};
-use super::scalar_factor::{ScalarFactor, ScalarWork};
+use super::scalar_factor::ScalarFactor;
 use super::settings::{DeformableError, FallBack, StepMatrix};
 use super::soft_modes::SoftModes;
 use super::state::{DeformableScratch, DeformableState};
 use matrices::{bounding, is_too_stiff, places, scalar_matrix, tangent_of};
-use palpate_geometry::math::{
-    BlockCholesky, BlockWork, Cholesky, Lane, Rows, SymmetricTriplets, Vector3,
-};
+use palpate_geometry::math::{BlockCholesky, Cholesky, Lane, Rows, SymmetricTriplets, Vector3};
 
 /// Most numbers of a factor in blocks for each second of a step: what a core reads in about that time.
 const MOST_NUMBERS: f64 = 3e9;
@@ -68,42 +68,8 @@ struct Tangent {
     short: Vec<(u32, u32, f64)>,
 }
 
-/// How corrections went so far: whether the tangent of rest can follow the body.
-#[derive(Debug, Default, PartialEq)]
-pub struct Caution {
-    /// (unknowns): last correction, m, and how often in a row it has turned over.
-    pub corrections: Vec<Lane>,
-    /// Which matrix: the tangent of rest, the firmer one, the bounding one.
-    pub level: u32,
-    /// For so many steps more.
-    pub steps: u32,
-    /// The last step met cells that it held back: the next starts where the body is, since a pressure
-    /// that is held back is no gradient, and inertia would be pumped up by it.
-    pub held: bool,
-    /// For how many it would be next time.
-    pub next: u32,
-}
-
-/// The level of the bounding matrix.
-const BOUNDING: u32 = 2;
-
 /// How taut springs of a sheet are, 1 − rest length / length, up to which each of its factors follows.
 const TAUT: [f64; 4] = [0.002, 0.01, 0.06, 0.3];
-
-impl Clone for Caution {
-    fn clone(&self) -> Self {
-        let mut copy = Self::default();
-        copy.clone_from(self);
-        copy
-    }
-
-    /// Allocates nothing between states of one body.
-    fn clone_from(&mut self, from: &Self) {
-        self.corrections.clone_from(&from.corrections);
-        (self.level, self.steps, self.next) = (from.level, from.steps, from.next);
-        self.held = from.held;
-    }
-}
 
 /// What forces held on the net through one step move.
 #[derive(Debug, Default)]
@@ -115,33 +81,6 @@ pub(super) struct Response {
     pub modes: SoftModes,
 }
 
-/// Buffers of a correction.
-#[derive(Clone, Debug, Default)]
-pub(super) struct ImplicitScratch {
-    /// (unknowns).
-    pub(super) frames: Vec<Frame>,
-    work: BlockWork,
-    /// (unknowns): right-hand side in blocks.
-    blocks: Rows,
-    /// (unknowns): the same for the scalar matrix, and its buffer.
-    rhs: Vec<Vector3>,
-    scalar: ScalarWork,
-    /// The state's caution after the step.
-    pub(super) caution: Caution,
-    /// Σ |correction|² of the last further iteration, m².
-    last_m2: f64,
-    /// Of a sheet (unknowns): its normals.
-    pub(super) normals: Vec<Vector3>,
-    /// Which factor a sheet as taut as in this step takes.
-    taut: usize,
-    /// By which columns of the response contact answers in this step.
-    pub(super) answer: usize,
-    /// Those are of the bounding matrix.
-    pub(super) answers_bounding: bool,
-}
-
-/// Fewest and most steps that are left to a firmer matrix once one cannot follow.
-const CAUTIOUS_STEPS: [u32; 2] = [16, 1024];
 /// A correction that turns over this often in a row without becoming smaller grows; a large one
 /// need only do so twice.
 const TURNS: [f64; 2] = [3.0, 2.0];
@@ -607,39 +546,6 @@ fn tautness(matter: &Matter, state: &DeformableState, places: &mut [Lane]) -> f6
     now.max(matter.law.tautness(rest, places))
 }
 
-impl Caution {
-    /// That of a body at rest; a body without a tangent needs none.
-    pub(super) fn set_to_rest(&mut self) {
-        self.corrections.fill([0.0; 4]);
-        (self.level, self.steps, self.held) = (0, 0, false);
-        self.next = match self.corrections.is_empty() {
-            true => 0,
-            false => CAUTIOUS_STEPS[0],
-        };
-    }
-
-    /// Another step: trust comes back by and by.
-    fn step(&mut self) {
-        if self.steps > 0 {
-            self.steps -= 1;
-        } else if self.level > 0 {
-            self.level -= 1;
-            self.steps = if self.level > 0 { self.next } else { 0 };
-            self.corrections.fill([0.0; 4]);
-        } else {
-            self.next = self.next.saturating_sub(1).max(CAUTIOUS_STEPS[0]);
-        }
-    }
-
-    /// A firmer matrix.
-    fn raise(&mut self, level: u32) {
-        self.level = level.min(BOUNDING);
-        self.steps = self.next;
-        self.next = (4 * self.next).min(CAUTIOUS_STEPS[1]);
-        self.corrections.fill([0.0; 4]);
-    }
-}
-
 impl ImplicitScratch {
     /// A⁻¹ r into `rhs`.
     fn solve_scalar(&mut self, factor: &ScalarFactor, matter: &Matter, residual: &[Lane]) {
@@ -699,16 +605,6 @@ impl ImplicitScratch {
             (_, true) => self.caution.level + 1,
             _ => self.caution.level,
         }
-    }
-}
-
-/// The middle one of the finite values; 0 where there are none.
-pub(super) fn middle(values: &[f64]) -> f64 {
-    let mut finite: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
-    let half = finite.len() / 2;
-    match finite.is_empty() {
-        true => 0.0,
-        false => *finite.select_nth_unstable_by(half, f64::total_cmp).1,
     }
 }
 

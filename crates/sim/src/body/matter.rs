@@ -2,14 +2,14 @@
 //! steps is the business of the steppers, which are built from it.
 
 use super::calm::Calm;
+use super::caution::ImplicitScratch;
 use super::cells::{Cell, CellQuality};
 use super::field::Field;
-use super::implicit::ImplicitScratch;
 use super::law::MaterialLaw;
 use super::material::Plastic;
 use super::node_map::NodeMap;
 use super::plastic::Flow;
-use super::rigid_motion::RigidVelocity;
+use super::rigid_velocity::RigidVelocity;
 use super::settings::{DeformableError, StepSettings};
 use super::state::{DeformableScratch, DeformableState};
 use palpate_geometry::math::{Lane, Point3, Rows, Vector3};

@@ -9,6 +9,7 @@
 
 mod bends;
 mod calm;
+mod caution;
 mod cells;
 mod columns;
 pub mod continuum;
@@ -20,6 +21,7 @@ mod excess;
 mod explicit;
 mod exterior;
 mod field;
+mod frame;
 mod frames;
 mod harmonic;
 mod implicit;
@@ -37,6 +39,7 @@ pub mod opposite;
 mod plastic;
 mod quality;
 mod rigid_motion;
+mod rigid_velocity;
 mod scalar_factor;
 mod settings;
 mod sheet;

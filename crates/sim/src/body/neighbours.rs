@@ -43,3 +43,13 @@ pub(super) fn shortest_edges(matter: &Matter) -> Vec<f64> {
     }
     shortest
 }
+
+/// The middle one of the finite values; 0 where there are none.
+pub(super) fn middle(values: &[f64]) -> f64 {
+    let mut finite: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
+    let half = finite.len() / 2;
+    match finite.is_empty() {
+        true => 0.0,
+        false => *finite.select_nth_unstable_by(half, f64::total_cmp).1,
+    }
+}

@@ -7,7 +7,7 @@
 //! B φ = λ H φ with small λ are those motions; with them `W + Σ (1 / λ − 1) φ φᵀ` answers as the
 //! tangent does there. They are turned with the body, coordinate by coordinate.
 
-use super::frames::Frame;
+use super::frame::Frame;
 use palpate_geometry::math::{
     BlockCholesky, Lane, Random, SymmetricTriplets, Vector3, symmetric_eigen,
 };

@@ -1,15 +1,12 @@
 //! What a replay restores of a deforming body, and the buffers of its step.
 
-use super::calm::Calm;
+use super::calm::{Calm, STILL_STEPS};
+use super::caution::{Caution, ImplicitScratch};
 use super::field::Field;
-use super::implicit::{Caution, ImplicitScratch};
-use super::rigid_motion::RigidVelocity;
+use super::rigid_velocity::RigidVelocity;
 use super::spring_table::ByCoordinate;
 use palpate_geometry::math::{Lane, Point3, Rows, Vector3};
 use palpate_geometry::stateful;
-
-/// Steps in a row without motion after which a body sleeps.
-pub(super) const STILL_STEPS: u32 = 100;
 
 /// What a replay restores.
 #[derive(Debug, Default, PartialEq)]

@@ -7,8 +7,8 @@
 //! met by a share of a Laplacian, as large as slow motions allow: it resists turning too,
 //! as if the body were heavier.
 
-use super::implicit::middle;
 use super::matter::Matter;
+use super::neighbours::middle;
 use super::node_map::NodeMap;
 use palpate_geometry::math::{BlockTriplets, Lane, Matrix3, SymmetricTriplets, Vector3};
 use std::collections::BTreeMap;

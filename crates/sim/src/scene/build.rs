@@ -4,21 +4,7 @@ use super::door::{At, Door, SceneError};
 use super::pairs::{self, Frictions};
 use super::spec::{MAX_TOOLS, SceneSpec};
 use super::{Body, BodyModel, FrameOf, Pair, Scene, Tool, model, mover, tool};
-use palpate_geometry::basis::KnotVector;
-use palpate_geometry::surface::Surface;
 use std::path::Path;
-
-/// Below so many knot spans a direction of a surface is coarse.
-const COARSE_SPANS: usize = 8;
-
-/// Contact samples a knot span, in u and v. Two were chosen between one (the force ripples by several
-/// percent as a ball slides over a control point) and three (twice the rows for a change of force below
-/// one percent). Where spans are few they are large, and two leave so much room that a ball of jelly
-/// stands 2 mm too deep on a plane and bounces 7 % too high: three.
-pub(super) fn samples_per_span(surface: &Surface) -> [usize; 2] {
-    let coarse = |knots: &KnotVector| knots.spans().count() < COARSE_SPANS;
-    [surface.knots_u(), surface.knots_v()].map(|knots| if coarse(knots) { 3 } else { 2 })
-}
 
 impl Scene {
     /// Checks the spec and builds surfaces, bodies and tools; `directory` is where relative paths of

@@ -2,11 +2,15 @@
 
 use super::door::At;
 use super::mass::Mass;
-use super::model::launch_of;
 use super::mover::{MovedBy, Mover};
 use super::spec::{BodySpec, SceneSpec};
 use palpate_geometry::math::{Pose, Vector3};
 use palpate_geometry::surface::Surface;
+
+/// Fastest that a body starts, m/s, and turns, rad/s: beyond, it crosses itself in a tick.
+const MOST_LAUNCH: [f64; 2] = [100.0, 1_000.0];
+/// Their keys and units.
+pub(super) const LAUNCH: [(&str, &str); 2] = [("velocity_m_s", "m/s"), ("spin_rad_s", "rad/s")];
 
 /// What a free rigid body is and how it starts.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,4 +91,20 @@ pub(super) fn build(
             sleep_m_s: spec.integrator.sleep_m_s,
         })),
     })
+}
+
+/// The velocities that a body starts with: m/s, and rad/s.
+pub(super) fn launch_of(spec: &BodySpec, at: &At<'_>) -> Option<[Vector3; 2]> {
+    let launch = [spec.velocity_m_s, spec.spin_rad_s].map(Vector3::from);
+    for (k, value) in launch.iter().enumerate() {
+        if value.norm().is_nan() || value.norm() > MOST_LAUNCH[k] {
+            let (name, unit) = LAUNCH[k];
+            let most = MOST_LAUNCH[k];
+            return at.key(name).refused(format!(
+                "{name} is {:?}; it must be no longer than {most} {unit}",
+                [value.x, value.y, value.z]
+            ));
+        }
+    }
+    Some(launch)
 }

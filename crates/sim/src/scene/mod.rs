@@ -15,6 +15,7 @@ mod mass;
 mod model;
 mod mover;
 mod pairs;
+mod parts;
 pub mod plan;
 mod refine;
 mod schema;
@@ -24,24 +25,20 @@ mod surface;
 mod tool;
 
 pub use build::inline_files;
-use build::samples_per_span;
 pub use change::{Origin, SceneChange};
 pub use door::{Place, Problem, SceneError};
 pub use findings::{Finding, FindingKind};
 pub(crate) use free::Free;
 pub(crate) use mass::Mass;
 pub(crate) use mover::{MovedBy, Mover, SPEED_MAX_M_S, TURNING_MAX_RAD_S, between, smooth};
+pub(crate) use parts::{Body, BodyModel, DeformingBody, FrameOf, Pair, Tool};
 pub use schema::schema;
 
 use crate::body::Deformable;
-use crate::haptics::{Coupling, DeviceBounds, DeviceFigures, LinkLimits, StiffnessLimits};
-use crate::solve::friction::Friction;
-use crate::solve::indentation::Resolution;
+use crate::haptics::{DeviceBounds, DeviceFigures, StiffnessLimits};
 use crate::solve::rows::{Holder, most_rows};
-use palpate_geometry::contact::dispatch::{Method, Party};
-use palpate_geometry::contact::{ContactSamples, ToolShape};
-use palpate_geometry::math::{Point3, Rotation};
-use palpate_geometry::surface::{MergedKnots, Mesh, Surface};
+use palpate_geometry::contact::ToolShape;
+use palpate_geometry::surface::{Mesh, Surface};
 use spec::{Clock, SceneSpec};
 
 /// The constant of a simulation: built once, shared, never changed.
@@ -62,132 +59,6 @@ pub struct Scene {
     /// The tool that carries the bodies.
     pub(crate) frame: Option<FrameOf>,
     warnings: Vec<Finding>,
-}
-
-/// Which tool carries the bodies.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct FrameOf {
-    pub tool: usize,
-    /// Time constant of its velocities, s.
-    pub smoothing_s: f64,
-}
-
-/// A body's constants.
-#[derive(Debug)]
-pub(crate) struct Body {
-    pub id: String,
-    /// Refined, in the world, at rest.
-    pub surface: Surface,
-    /// Net before refinement: rows, columns.
-    pub original_net: [usize; 2],
-    /// Diagonal of the net's box, m: what tolerances refer to.
-    pub size_m: f64,
-    /// Open sheets can be touched from both sides.
-    pub two_sided: bool,
-    /// Knots of its file that differed in their last digits.
-    pub merged_knots: Vec<MergedKnots>,
-    pub model: BodyModel,
-    /// What moves it, when it is rigid and not fixed.
-    pub mover: Option<Mover>,
-}
-
-impl Body {
-    /// The constants of a rigid body that contact and gravity move.
-    pub fn free(&self) -> Option<&Free> {
-        self.mover.as_ref()?.free()
-    }
-
-    /// It gives way to nothing: it is rigid, and no force moves it.
-    pub fn is_firm(&self) -> bool {
-        matches!(self.model, BodyModel::Rigid) && self.free().is_none()
-    }
-}
-
-/// What moves a body.
-#[derive(Debug)]
-pub(crate) enum BodyModel {
-    Rigid,
-    Deforming(Box<DeformingBody>),
-}
-
-/// A deforming body and the samples at which tools press it.
-#[derive(Debug)]
-pub(crate) struct DeformingBody {
-    pub deformable: Deformable,
-    pub samples: ContactSamples,
-    /// (control points): how finely a solid resolves what presses it; empty for a membrane.
-    pub resolution: Vec<Resolution>,
-    pub sweeps: usize,
-    /// The body steps once in so many ticks.
-    pub every: u32,
-    /// Model and method, and why this method.
-    pub choice: model::Choice,
-}
-
-/// A tool's constants.
-#[derive(Debug)]
-pub(crate) struct Tool {
-    pub id: String,
-    pub shape: ToolShape,
-    pub start: (Point3, Rotation),
-    pub coupling: Coupling,
-    pub limits: LinkLimits,
-    pub device: Device,
-    /// Greatest pull on what it grabs, N; 0: it grabs nothing.
-    pub grip_n: f64,
-}
-
-/// What a tool's device can bear and how it is looked after.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Device {
-    /// N·m.
-    pub torque_max_nm: f64,
-    /// Strongest damper of the passivity controller, N·s/m; none: it only watches.
-    pub passivity_damping_n_s_m: Option<f64>,
-    /// The coupling may not be stiffer than the device can hold.
-    pub bounded: bool,
-    /// Its physics, as far as the scene says.
-    pub figures: DeviceFigures,
-    /// The scene gives its damping.
-    pub known: bool,
-}
-
-impl Tool {
-    /// The coupling, no stiffer than the device holds.
-    pub fn coupling_for(&self, bounds: &DeviceBounds) -> Coupling {
-        self.coupling.bounded(bounds.stiffness_max_n_m)
-    }
-}
-
-/// Two parties that may touch: a tool or a body that holds, and a body. A body that holds itself
-/// touches itself.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Pair {
-    pub holder: Holder,
-    pub body: usize,
-    pub method: Method,
-    pub friction: Option<Friction>,
-    /// With how much of the speed at which they meet two rigid bodies part.
-    pub restitution: f64,
-}
-
-impl Pair {
-    /// The tool, when one holds.
-    pub fn tool(&self) -> Option<usize> {
-        match self.holder {
-            Holder::Tool(tool) => Some(tool as usize),
-            Holder::Body(_) => None,
-        }
-    }
-
-    /// What stands against its body.
-    pub fn party<'a>(&self, tools: &'a [Tool], bodies: &'a [Body]) -> Party<'a> {
-        match self.holder {
-            Holder::Tool(tool) => Party::Tool(&tools[tool as usize].shape),
-            Holder::Body(other) if other as usize == self.body => Party::Itself,
-            Holder::Body(other) => Party::Body(&bodies[other as usize].surface),
-        }
-    }
 }
 
 impl Scene {

@@ -1,11 +1,14 @@
 //! Which tools and bodies may touch, and how their contacts are found.
 
 use super::door::At;
+use super::mover::MovedBy;
+use super::parts::{Body, BodyModel, FrameOf, Pair, Tool};
 use super::spec::{ContactMethod, ContactSpec, SPHERES_RESOLUTION, SceneSpec};
-use super::{Body, BodyModel, FrameOf, Method, MovedBy, Pair, Tool, tool};
+use super::tool;
 use crate::solve::friction::Friction;
 use crate::solve::rows::Holder;
 use palpate_geometry::contact::dispatch;
+use palpate_geometry::contact::dispatch::Method;
 
 /// What a `[[contact]]` says, checked against the names of the scene alone.
 pub(super) fn check(spec: &SceneSpec, contact: &ContactSpec, at: &At<'_>) -> Option<()> {

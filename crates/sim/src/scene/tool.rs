@@ -1,8 +1,8 @@
 //! Tools of a scene file: coupling, device, friction, grip.
 
 use super::door::At;
+use super::parts::{Device, Tool};
 use super::spec::{CouplingSpec, DeviceSpec, FrictionSpec, GripSpec, ToolSpec};
-use super::{Device, Tool};
 use crate::haptics::{Coupling, DeviceFigures, LinkLimits};
 use crate::solve::friction::Friction;
 use palpate_geometry::math::Point3;

@@ -1,9 +1,9 @@
 //! The matrices of a step and their factors, at build.
 
-use super::{TAUT, Tangent, WATCHED, WATCHED_OF_SHEETS, WILD_LENGTH, middle};
+use super::{TAUT, Tangent, WATCHED, WATCHED_OF_SHEETS, WILD_LENGTH};
 use crate::body::frames::Frames;
 use crate::body::matter::Matter;
-use crate::body::neighbours::shortest_edges;
+use crate::body::neighbours::{middle, shortest_edges};
 use crate::body::scalar_factor::ScalarFactor;
 use crate::body::settings::DeformableError;
 use crate::body::tangent;

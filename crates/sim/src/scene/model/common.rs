@@ -5,10 +5,10 @@ use super::{Inputs, Make, fixed, values};
 use crate::body::net::Reduced;
 use crate::body::{Cell, CellGrid, Deformable, DeformableError, Inside, Integrator, Material};
 use crate::body::{Solid, StepMatrix, StepSettings};
+use crate::scene::parts::{BodyModel, Choice, DeformingBody, samples_per_span};
 use crate::scene::plan::step_us;
 use crate::scene::refine::{self, Refined};
 use crate::scene::spec::{IterationsSpec, MatrixSpec, MethodSpec, RefineSpec};
-use crate::scene::{BodyModel, DeformingBody, samples_per_span};
 use crate::solve::indentation::Resolution;
 use palpate_geometry::contact::ContactSamples;
 use palpate_geometry::math::{Point3, Vector3};
@@ -27,15 +27,6 @@ const FOCUS_BUDGET: usize = 300;
 const MOTION_ERROR: f64 = 0.02;
 const STEP_SHARE: f64 = 0.5;
 const MOST_AUTO: usize = 5;
-
-/// What moves a body, and why that way.
-#[derive(Clone, Debug)]
-pub(crate) struct Choice {
-    /// `lattice`, `membrane` …
-    pub model: &'static str,
-    /// One sentence for the plan.
-    pub why: String,
-}
 
 /// A deforming body on its refined surface, of which `parts` gives all but the step.
 pub(super) fn deforming<'b>(

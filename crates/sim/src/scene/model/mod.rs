@@ -15,13 +15,12 @@ mod net;
 mod rigid;
 mod values;
 
-pub(crate) use common::Choice;
 pub use names::ModelSpec;
-pub(super) use values::{launch_of, material_of};
+pub(super) use values::material_of;
 
 use super::door::At;
+use super::parts::{Body, BodyModel, Tool};
 use super::spec::{BodySpec, SceneSpec};
-use super::{Body, BodyModel, Tool};
 use super::{free, mover};
 use crate::body::{Deformable, DeformableError, Material, StepSettings};
 use palpate_geometry::math::Pose;

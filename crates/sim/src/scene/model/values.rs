@@ -3,6 +3,7 @@
 
 use crate::body::{Deformable, MOST_NODES_A_SIDE, Material, PRESETS, Plastic, Stiffening, preset};
 use crate::scene::door::{At, nearest};
+use crate::scene::free::{LAUNCH, launch_of};
 use crate::scene::spec::{
     BodySpec, FixedSpec, IntegratorSpec, IterationsSpec, LatticeSpec, MaterialSpec, PlasticSpec,
     RefineSpec, RegionSpec, StiffeningSpec,
@@ -81,27 +82,6 @@ fn held(spec: &FixedSpec, at: &At<'_>) -> Option<Held> {
             Some(Held::Range { u, v })
         }
     }
-}
-
-/// Fastest that a body starts, m/s, and turns, rad/s: beyond, it crosses itself in a tick.
-const MOST_LAUNCH: [f64; 2] = [100.0, 1_000.0];
-/// Their keys and units.
-const LAUNCH: [(&str, &str); 2] = [("velocity_m_s", "m/s"), ("spin_rad_s", "rad/s")];
-
-/// The velocities that a body starts with: m/s, and rad/s.
-pub(in crate::scene) fn launch_of(spec: &BodySpec, at: &At<'_>) -> Option<[Vector3; 2]> {
-    let launch = [spec.velocity_m_s, spec.spin_rad_s].map(Vector3::from);
-    for (k, value) in launch.iter().enumerate() {
-        if value.norm().is_nan() || value.norm() > MOST_LAUNCH[k] {
-            let (name, unit) = LAUNCH[k];
-            let most = MOST_LAUNCH[k];
-            return at.key(name).refused(format!(
-                "{name} is {:?}; it must be no longer than {most} {unit}",
-                [value.x, value.y, value.z]
-            ));
-        }
-    }
-    Some(launch)
 }
 
 /// Gives a body the velocities that it starts with.

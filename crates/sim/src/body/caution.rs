@@ -1,0 +1,99 @@
+//! Whether the tangent of rest can follow a body, and the buffers of a correction.
+
+use super::frame::Frame;
+use super::scalar_factor::ScalarWork;
+use palpate_geometry::math::{BlockWork, Lane, Rows, Vector3};
+
+/// Fewest and most steps that are left to a firmer matrix once one cannot follow.
+const CAUTIOUS_STEPS: [u32; 2] = [16, 1024];
+/// The level of the bounding matrix.
+pub(super) const BOUNDING: u32 = 2;
+
+/// How corrections went so far: whether the tangent of rest can follow the body.
+#[derive(Debug, Default, PartialEq)]
+pub struct Caution {
+    /// (unknowns): last correction, m, and how often in a row it has turned over.
+    pub corrections: Vec<Lane>,
+    /// Which matrix: the tangent of rest, the firmer one, the bounding one.
+    pub level: u32,
+    /// For so many steps more.
+    pub steps: u32,
+    /// The last step met cells that it held back: the next starts where the body is, since a pressure
+    /// that is held back is no gradient, and inertia would be pumped up by it.
+    pub held: bool,
+    /// For how many it would be next time.
+    pub next: u32,
+}
+
+impl Clone for Caution {
+    fn clone(&self) -> Self {
+        let mut copy = Self::default();
+        copy.clone_from(self);
+        copy
+    }
+
+    /// Allocates nothing between states of one body.
+    fn clone_from(&mut self, from: &Self) {
+        self.corrections.clone_from(&from.corrections);
+        (self.level, self.steps, self.next) = (from.level, from.steps, from.next);
+        self.held = from.held;
+    }
+}
+
+impl Caution {
+    /// That of a body at rest; a body without a tangent needs none.
+    pub(super) fn set_to_rest(&mut self) {
+        self.corrections.fill([0.0; 4]);
+        (self.level, self.steps, self.held) = (0, 0, false);
+        self.next = match self.corrections.is_empty() {
+            true => 0,
+            false => CAUTIOUS_STEPS[0],
+        };
+    }
+
+    /// Another step: trust comes back by and by.
+    pub(super) fn step(&mut self) {
+        if self.steps > 0 {
+            self.steps -= 1;
+        } else if self.level > 0 {
+            self.level -= 1;
+            self.steps = if self.level > 0 { self.next } else { 0 };
+            self.corrections.fill([0.0; 4]);
+        } else {
+            self.next = self.next.saturating_sub(1).max(CAUTIOUS_STEPS[0]);
+        }
+    }
+
+    /// A firmer matrix.
+    pub(super) fn raise(&mut self, level: u32) {
+        self.level = level.min(BOUNDING);
+        self.steps = self.next;
+        self.next = (4 * self.next).min(CAUTIOUS_STEPS[1]);
+        self.corrections.fill([0.0; 4]);
+    }
+}
+
+/// Buffers of a correction.
+#[derive(Clone, Debug, Default)]
+pub(super) struct ImplicitScratch {
+    /// (unknowns).
+    pub(super) frames: Vec<Frame>,
+    pub(super) work: BlockWork,
+    /// (unknowns): right-hand side in blocks.
+    pub(super) blocks: Rows,
+    /// (unknowns): the same for the scalar matrix, and its buffer.
+    pub(super) rhs: Vec<Vector3>,
+    pub(super) scalar: ScalarWork,
+    /// The state's caution after the step.
+    pub(super) caution: Caution,
+    /// Σ |correction|² of the last further iteration, m².
+    pub(super) last_m2: f64,
+    /// Of a sheet (unknowns): its normals.
+    pub(super) normals: Vec<Vector3>,
+    /// Which factor a sheet as taut as in this step takes.
+    pub(super) taut: usize,
+    /// By which columns of the response contact answers in this step.
+    pub(super) answer: usize,
+    /// Those are of the bounding matrix.
+    pub(super) answers_bounding: bool,
+}
