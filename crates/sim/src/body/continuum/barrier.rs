@@ -4,10 +4,11 @@
 //! Ψ = V₀ k / 2 (J₁ − J)² while the volume V = J V₀ of a cell is below J₁ V₀, else nothing: lattices
 //! that are not crushed have the forces of their springs alone, to the bit.
 
-use super::bound::cell_tangent;
+use super::elastic::Elastic;
+use super::hessian::cell_tangent;
 use super::kernel::{self, times};
 use super::rest::RestCell;
-use super::{Cell, Elastic};
+use crate::body::cells::Cell;
 use palpate_geometry::math::lanes::{Baseline, Four, Lanes};
 use palpate_geometry::math::{Lane, Matrix3, Point3};
 

@@ -1,13 +1,13 @@
 //! The scalar matrix that stands for the tangent in the implicit step.
 
-use super::hessian::cell_hessian;
-use super::{Cell, ContinuumLaw, Elastic, RestCell, patch};
-use palpate_geometry::math::{Matrix3, Point3, Vector3};
+use super::elastic::Elastic;
+use super::hessian::{cell_hessian, cell_tangent, without_negative};
+use super::rest::RestCell;
+use super::{ContinuumLaw, patch};
+use crate::body::cells::Cell;
+use palpate_geometry::math::{Lane, Matrix3, Vector3};
 use std::collections::BTreeMap;
 
-/// How far above the least stable weight of rest the matrix is, so that strained cells can be
-/// followed too: at ν = 0.3 a cell is held back once I_C is 15 % above that of rest.
-const MARGIN: f64 = 1.25;
 /// How much stiffer than at rest shear and volume are in the tangent of the step. Volume costs
 /// little: its waves are faster than a tick.
 const SHEAR_MARGIN: f64 = 1.1;
@@ -29,16 +29,6 @@ pub enum Weight {
     Response,
 }
 
-/// Weight of the bounding Laplacian, Pa.
-///
-/// The step from the inertial prediction is stable while L >= 3/4 K. At rest K is at most 2 μ + 3 λ
-/// times the Laplacian of the same quadrature (pure dilatation, which a free body can do), and
-/// 3/2 (λ + 2 μ) is 1.5 times what backward Euler needs for waves of compression.
-pub(super) fn weight_pa(elastic: &Elastic) -> f64 {
-    let (shear, lame) = elastic.lame_pa();
-    1.5 * MARGIN * (lame + 2.0 * shear).max(1.5 * lame + shear)
-}
-
 /// Weight of the Laplacian that gives way as an elastic half-space does, Pa.
 fn response_pa(elastic: &Elastic) -> f64 {
     elastic.lame_pa().0 / (1.0 - elastic.poisson)
@@ -52,7 +42,7 @@ impl ContinuumLaw {
         for (cell, elastic) in self.cells.iter().zip(&self.materials) {
             let rest = RestCell::new(&self.rest, cell);
             let weight = match of {
-                Weight::Bounding => weight_pa(elastic),
+                Weight::Bounding => elastic.bounding_pa(),
                 Weight::Firm => 2.0 * elastic.lame_pa().0,
                 Weight::Response => response_pa(elastic),
             };
@@ -135,6 +125,34 @@ impl ContinuumLaw {
         }
     }
 
+    /// Hands out ∂²Ψ/∂x² (N/m) entry by entry, cell after cell: (3 node + axis, 3 node + axis,
+    /// value), both triangles, entries of one place to be added. `definite`: each cell's matrix
+    /// without its negative eigenvalues. No cell is held back here.
+    pub fn add_hessian(
+        &self,
+        places: &[Lane],
+        definite: bool,
+        out: &mut impl FnMut(usize, usize, f64),
+    ) {
+        for (cell, elastic) in self.cells.iter().zip(&self.materials) {
+            let rest = RestCell::new(&self.rest, cell);
+            let x = cell.map(|node| {
+                let [x, y, z, _] = places[node as usize];
+                Vector3::new(x, y, z)
+            });
+            let mut matrix = cell_hessian(&rest, elastic, &x);
+            if definite {
+                matrix = without_negative(matrix);
+            }
+            for row in 0..24 {
+                for column in 0..24 {
+                    let place = |k: usize| 3 * cell[k / 3] as usize + k % 3;
+                    out(place(row), place(column), matrix[(row, column)]);
+                }
+            }
+        }
+    }
+
     /// Gradients of the corners at the centre of a cell at rest, 1/m, and its volume by them, m³.
     fn gradients_at_centre(&self, cell: &Cell) -> ([Vector3; 8], f64) {
         let slopes: [Vector3; 8] = std::array::from_fn(|corner| {
@@ -159,24 +177,4 @@ fn with_margins(elastic: &Elastic, strain: f64) -> (f64, f64) {
     // meets a share of λ.
     let turned = strain * strain * (lame - LEAST_LAME * shear).max(0.0);
     (SHEAR_MARGIN * shear + turned, VOLUME_MARGIN * lame)
-}
-
-/// The blocks of one cell at rest.
-pub(super) fn cell_tangent(
-    nodes: &[Point3],
-    cell: &Cell,
-    elastic: &Elastic,
-    out: &mut impl FnMut(u32, u32, Matrix3),
-) {
-    let rest = RestCell::new(nodes, cell);
-    let x = cell.map(|node| nodes[node as usize].coords);
-    let matrix = cell_hessian(&rest, elastic, &x);
-    for i in 0..8 {
-        for j in 0..8 {
-            if cell[i] >= cell[j] {
-                let block: Matrix3 = matrix.fixed_view::<3, 3>(3 * i, 3 * j).into();
-                out(cell[i], cell[j], block);
-            }
-        }
-    }
 }

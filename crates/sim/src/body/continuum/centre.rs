@@ -4,8 +4,9 @@
 //! At the centre G = [c_ξ, c_η, c_ζ] and V / 8 = [c_ξ, c_η, c_ζ]; the other modes do no work.
 //! Fields of [`CellBlock`] that belong to a Gauss point are those of the centre, in the first place.
 
+use super::elastic::Elastic;
 use super::kernel::{CellBlock, Triple, cross, dot, minus, modes, pressure, stretch, times};
-use super::{Cell, Elastic};
+use crate::body::cells::Cell;
 use palpate_geometry::math::lanes::{Baseline, Four, Lanes};
 use palpate_geometry::math::{Lane, Matrix3, Point3, Vector3};
 

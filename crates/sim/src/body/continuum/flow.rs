@@ -9,15 +9,13 @@
 //! keeps the volume, and it never raises I_C, so it never makes energy. With a spread, how much
 //! flows is averaged over the points around; each still flows along its own deviator.
 
-use super::kernel::{CellBlock, at, modes, slopes};
+use super::kernel::{CellBlock, ROWS, at, modes, slopes};
 use super::{ContinuumLaw, Points};
 use crate::body::material::Plastic;
 use crate::body::node_map::SparseRows;
 use palpate_geometry::math::lanes::{Baseline, Lanes};
 use palpate_geometry::math::{Lane, Matrix3, Point3, Vector3};
 
-/// Rows of a metric: xx yy zz xy xz yz.
-pub(super) const ROWS: usize = 6;
 /// Excess strains below this are rounding; without it a body would never sleep.
 const ROUNDING: f64 = 1e-9;
 /// Volumes below this share of that at rest are on the way through themselves, and do not flow.

@@ -1,9 +1,11 @@
 //! Second derivatives, for offline solvers and tests.
 
+use super::elastic::Elastic;
+use super::rest::RestCell;
 use super::rest::sign;
-use super::{ContinuumLaw, Elastic, RestCell};
+use crate::body::cells::Cell;
 use nalgebra::{SMatrix, SymmetricEigen};
-use palpate_geometry::math::{Lane, Matrix3, Vector3};
+use palpate_geometry::math::{Matrix3, Point3, Vector3};
 
 pub(super) type Block24 = SMatrix<f64, 24, 24>;
 
@@ -14,36 +16,6 @@ const TRIPLES: [([usize; 3], f64); 4] = [
     ([2, 3, 6], 1.0 / 3.0),
     ([1, 5, 3], 1.0 / 3.0),
 ];
-
-impl ContinuumLaw {
-    /// Hands out ∂²Ψ/∂x² (N/m) entry by entry, cell after cell: (3 node + axis, 3 node + axis,
-    /// value), both triangles, entries of one place to be added. `definite`: each cell's matrix
-    /// without its negative eigenvalues. No cell is held back here.
-    pub fn add_hessian(
-        &self,
-        places: &[Lane],
-        definite: bool,
-        out: &mut impl FnMut(usize, usize, f64),
-    ) {
-        for (cell, elastic) in self.cells.iter().zip(&self.materials) {
-            let rest = RestCell::new(&self.rest, cell);
-            let x = cell.map(|node| {
-                let [x, y, z, _] = places[node as usize];
-                Vector3::new(x, y, z)
-            });
-            let mut matrix = cell_hessian(&rest, elastic, &x);
-            if definite {
-                matrix = without_negative(matrix);
-            }
-            for row in 0..24 {
-                for column in 0..24 {
-                    let place = |k: usize| 3 * cell[k / 3] as usize + k % 3;
-                    out(place(row), place(column), matrix[(row, column)]);
-                }
-            }
-        }
-    }
-}
 
 pub(super) fn cell_hessian(rest: &RestCell, elastic: &Elastic, x: &[Vector3; 8]) -> Block24 {
     let (shear, lame) = elastic.lame_pa();
@@ -109,7 +81,7 @@ fn volume_derivatives(x: &[Vector3; 8]) -> (f64, [Vector3; 8], [[Vector3; 8]; 8]
     (volume, growth, bend)
 }
 
-fn without_negative(matrix: Block24) -> Block24 {
+pub(super) fn without_negative(matrix: Block24) -> Block24 {
     let SymmetricEigen {
         eigenvalues,
         eigenvectors,
@@ -119,4 +91,24 @@ fn without_negative(matrix: Block24) -> Block24 {
     }
     let kept = eigenvalues.map(|value| value.max(0.0));
     eigenvectors * Block24::from_diagonal(&kept) * eigenvectors.transpose()
+}
+
+/// The blocks of one cell at rest.
+pub(super) fn cell_tangent(
+    nodes: &[Point3],
+    cell: &Cell,
+    elastic: &Elastic,
+    out: &mut impl FnMut(u32, u32, Matrix3),
+) {
+    let rest = RestCell::new(nodes, cell);
+    let x = cell.map(|node| nodes[node as usize].coords);
+    let matrix = cell_hessian(&rest, elastic, &x);
+    for i in 0..8 {
+        for j in 0..8 {
+            if cell[i] >= cell[j] {
+                let block: Matrix3 = matrix.fixed_view::<3, 3>(3 * i, 3 * j).into();
+                out(cell[i], cell[j], block);
+            }
+        }
+    }
 }

@@ -10,6 +10,9 @@ use super::rest::GAUSS;
 use palpate_geometry::math::Lane;
 use palpate_geometry::math::lanes::{Four, Lanes};
 
+/// Rows of a metric: xx yy zz xy xz yz.
+pub(super) const ROWS: usize = 6;
+
 /// Four cells side by side; missing ones have no stiffness.
 #[derive(Clone, Debug)]
 pub(super) struct CellBlock {

@@ -12,8 +12,10 @@
 //! is lowered for the tick and counted.
 
 mod barrier;
+mod block;
 mod bound;
 mod centre;
+mod elastic;
 mod flow;
 mod hessian;
 mod kernel;
@@ -26,33 +28,13 @@ use super::cells::{Cell, CellGrid};
 pub use barrier::VolumeBarrier;
 pub(super) use bound::TANGENT_REACH;
 pub use bound::Weight;
+pub use elastic::Elastic;
 pub(in crate::body) use flow::CellFlow;
 use kernel::CellBlock;
-use palpate_geometry::math::lanes::{Baseline, Four, Lanes};
+use palpate_geometry::math::lanes::{Baseline, Lanes};
 use palpate_geometry::math::{Lane, Point3, Vector3};
 use patch::Patch;
 use rest::RestCell;
-
-/// Young's modulus and Poisson's ratio at small strain.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Elastic {
-    /// E, Pa.
-    pub young_pa: f64,
-    /// ν, in [0, 0.5).
-    pub poisson: f64,
-}
-
-impl Elastic {
-    /// Lamé's μ = E / (2 (1 + ν)) and λ = E ν / ((1 + ν) (1 − 2 ν)), Pa.
-    pub fn lame_pa(&self) -> (f64, f64) {
-        let Self { young_pa, poisson } = *self;
-        let shear = young_pa / (2.0 * (1.0 + poisson));
-        (
-            shear,
-            young_pa * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson)),
-        )
-    }
-}
 
 /// Cells below this least scaled Jacobian are refused: their strains say little about the solid.
 pub const LEAST_SCALED_JACOBIAN: f64 = 0.2;
@@ -159,7 +141,7 @@ impl ContinuumLaw {
         check(grid, elastic)?;
         let mut blocks = Vec::with_capacity(grid.cells.len().div_ceil(4));
         for (cells, materials) in grid.cells.chunks(4).zip(elastic.chunks(4)) {
-            let mut block = block(&grid.nodes, cells, materials);
+            let mut block = block::block(&grid.nodes, cells, materials);
             if points == Points::Centre {
                 centre::reduce(&mut block, &grid.nodes, cells, materials);
             }
@@ -294,14 +276,13 @@ impl ContinuumLaw {
     /// The same of cells that flow: `metrics` as [`CellFlow::rest`].
     pub(in crate::body) fn energy_flowed_j(&self, metrics: &[Lane], places: &[Lane]) -> f64 {
         let blocks = self.blocks.iter().enumerate();
-        let energies = blocks.filter_map(|(k, block)| match self.points {
-            Points::Eight => {
-                metrics_of(block, metrics, k).map(|own| block_energy(block, own, places))
-            }
-            Points::Centre => {
-                metrics_of(block, metrics, k).map(|own| centre::energy(block, own, places))
-            }
-        });
+        let energies =
+            blocks.filter_map(|(k, block)| match self.points {
+                Points::Eight => block::metrics_of(block, metrics, k)
+                    .map(|own| block::energy(block, own, places)),
+                Points::Centre => block::metrics_of(block, metrics, k)
+                    .map(|own| centre::energy(block, own, places)),
+            });
         let shared = self
             .patches
             .iter()
@@ -311,20 +292,6 @@ impl ContinuumLaw {
             .chain(shared)
             .sum()
     }
-}
-
-/// Metrics of a block at its N points: its own, or those of the cells that flow. `None` for too few.
-#[inline(always)]
-fn metrics_of<'a, const N: usize>(
-    block: &'a CellBlock,
-    metrics: &'a [Lane],
-    index: usize,
-) -> Option<&'a [[Four; 6]; N]> {
-    if metrics.is_empty() {
-        return block.metric.first_chunk();
-    }
-    let (rows, _) = metrics.as_chunks::<{ flow::ROWS }>();
-    rows.get(N * index..)?.first_chunk()
 }
 
 #[inline(always)]
@@ -348,7 +315,7 @@ fn add_forces<L: Lanes>(
         }
         Points::Eight => {
             for (k, block) in blocks.iter().enumerate() {
-                let Some(own) = metrics_of(block, metrics, k) else {
+                let Some(own) = block::metrics_of(block, metrics, k) else {
                     continue;
                 };
                 let held = kernel::add_forces::<L>(block, own, places, residual, reach);
@@ -357,7 +324,7 @@ fn add_forces<L: Lanes>(
         }
         Points::Centre => {
             for (k, block) in blocks.iter().enumerate() {
-                let Some(own) = metrics_of(block, metrics, k) else {
+                let Some(own) = block::metrics_of(block, metrics, k) else {
                     continue;
                 };
                 let held = centre::add_forces::<L>(block, own, places, residual, reach);
@@ -379,33 +346,6 @@ fn add_forces_avx2(
     farther: f64,
 ) -> Pass {
     add_forces::<palpate_geometry::math::lanes::Wide>(law, metrics, places, residual, farther)
-}
-
-fn block_energy(block: &CellBlock, metrics: &[[Four; 6]; 8], places: &[Lane]) -> Four {
-    let c = kernel::modes::<Baseline>(&block.nodes, places);
-    let slopes = kernel::slopes(&c);
-    let mut energy = [0.0; 4];
-    for gauss in 0..8 {
-        let [i, j, k] = kernel::at(gauss);
-        let (_, lanes) =
-            kernel::stretch(&metrics[gauss], [slopes[0][i], slopes[1][j], slopes[2][k]]);
-        let mut invariant = [0.0; 4];
-        lanes.store(&mut invariant);
-        for cell in 0..4 {
-            let strain = invariant[cell] - 3.0;
-            energy[cell] +=
-                0.5 * block.stiffness_j[gauss][cell] * (strain - libm::log1p(0.25 * strain));
-        }
-    }
-    let mut volume = [0.0; 4];
-    kernel::volume(&c).1.store(&mut volume);
-    for cell in 0..4 {
-        let grown = volume[cell] * block.per_volume[cell] - 1.0;
-        let at_rest = block.winding[cell] / block.per_volume[cell];
-        energy[cell] +=
-            at_rest * (0.5 * block.bulk_pa[cell] * grown - block.shear_pa[cell]) * grown;
-    }
-    energy
 }
 
 fn check(grid: &CellGrid, elastic: &[Elastic]) -> Result<(), ContinuumError> {
@@ -464,51 +404,4 @@ fn too_distorted(grid: &CellGrid, cell: &Cell) -> Option<f64> {
 pub(super) fn refused_cells(grid: &CellGrid) -> usize {
     let refused = |cell: &&Cell| too_distorted(grid, cell).is_some();
     grid.cells.iter().filter(refused).count()
-}
-
-/// Up to four cells. The places of missing ones are those of the first, their stiffness is zero.
-fn block(nodes: &[Point3], cells: &[Cell], materials: &[Elastic]) -> CellBlock {
-    let mut block = CellBlock {
-        count: cells.len(),
-        metric: [[[0.0; 4]; 6]; 8],
-        stiffness_j: [[0.0; 4]; 8],
-        nodes: cells[0].map(|node| [node; 4]),
-        per_volume: [1.0; 4],
-        winding: [1.0; 4],
-        bulk_pa: [0.0; 4],
-        shear_pa: [0.0; 4],
-        // Times anything reasonable it is still a number.
-        reach: [1e300; 4],
-    };
-    for (k, (cell, elastic)) in cells.iter().zip(materials).enumerate() {
-        let rest = RestCell::new(nodes, cell);
-        let (shear, lame) = elastic.lame_pa();
-        let weight = bound::weight_pa(elastic);
-        for corner in 0..8 {
-            block.nodes[corner][k] = cell[corner];
-        }
-        for gauss in 0..8 {
-            let s = &rest.metrics[gauss];
-            let six = [
-                s[(0, 0)],
-                s[(1, 1)],
-                s[(2, 2)],
-                s[(0, 1)],
-                s[(0, 2)],
-                s[(1, 2)],
-            ];
-            for (row, value) in six.into_iter().enumerate() {
-                block.metric[gauss][row][k] = value;
-            }
-            block.stiffness_j[gauss][k] = 4.0 / 3.0 * shear * rest.weights[gauss];
-        }
-        block.per_volume[k] = 1.0 / rest.volume;
-        block.winding[k] = rest.volume.signum();
-        block.bulk_pa[k] = lame + 5.0 / 6.0 * shear;
-        block.shear_pa[k] = shear;
-        // At rest the tangent is at most 3 λ' − μ / 2 = 3 λ + 2 μ times the Laplacian; 4/3 of the
-        // matrix must reach it.
-        block.reach[k] = (4.0 / 3.0 * weight + 0.5 * shear) / block.bulk_pa[k];
-    }
-    block
 }

@@ -6,9 +6,11 @@
 //! patch over that at rest. It is the selective reduced integration of Malkus & Hughes 1978 with the mean
 //! dilatation of Nagtegaal, Parks & Rice 1974 over patches. Below ν = 0.4 nothing is shared.
 
+use super::block;
 use super::centre::{self, Centres};
+use super::elastic::Elastic;
 use super::kernel::CellBlock;
-use super::{Cell, CellGrid, Elastic, bound};
+use crate::body::cells::{Cell, CellGrid};
 use palpate_geometry::math::lanes::{Four, Lanes};
 use palpate_geometry::math::{Lane, Vector3};
 use std::collections::BTreeMap;
@@ -95,7 +97,7 @@ pub(super) fn blocks(
     let kept: Vec<Elastic> = elastic.iter().map(own).collect();
     let mut blocks = Vec::new();
     for (cells, kept) in cells.chunks(4).zip(kept.chunks(4)) {
-        let mut block = super::block(&grid.nodes, cells, kept);
+        let mut block = block::block(&grid.nodes, cells, kept);
         centre::reduce(&mut block, &grid.nodes, cells, kept);
         // Cells that are not there have no volume.
         block.winding[cells.len()..].fill(0.0);
@@ -112,7 +114,7 @@ pub(super) fn blocks(
     let bulk_pa = |elastic: &Elastic| parted(elastic).0 + 5.0 / 6.0 * elastic.lame_pa().0 + lame_pa;
     let reach = |elastic: &Elastic| {
         let shear = elastic.lame_pa().0;
-        (4.0 / 3.0 * bound::weight_pa(elastic) + 0.5 * shear) / bulk_pa(elastic)
+        (4.0 / 3.0 * elastic.bounding_pa() + 0.5 * shear) / bulk_pa(elastic)
     };
     let patch = Patch {
         first,
@@ -143,13 +145,13 @@ impl Patch {
         farther: f64,
     ) -> bool {
         let of_patch = self.of(blocks);
-        let Some(own) = super::metrics_of::<1>(&of_patch[0], metrics, self.first) else {
+        let Some(own) = block::metrics_of::<1>(&of_patch[0], metrics, self.first) else {
             return false;
         };
         // Filled again where there is a second block.
         let mut centres = [Centres::<L>::new(&of_patch[0], &own[0], places); MOST_BLOCKS];
         for (k, block) in of_patch.iter().enumerate().skip(1) {
-            if let Some(own) = super::metrics_of::<1>(block, metrics, self.first + k) {
+            if let Some(own) = block::metrics_of::<1>(block, metrics, self.first + k) {
                 centres[k] = Centres::new(block, &own[0], places);
             }
         }

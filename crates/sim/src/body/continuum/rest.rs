@@ -1,6 +1,6 @@
 //! A cell at rest: what its 2 × 2 × 2 Gauss points know, and how good it is.
 
-use super::super::cells::Cell;
+use crate::body::cells::Cell;
 use palpate_geometry::math::{Matrix3, Point3, Vector3};
 
 /// Places of the two Gauss points on [−1, 1].
