@@ -74,7 +74,7 @@ impl Swap {
         self.scene.carry_over(state, &self.origins, &mut self.state);
         for body in 0..self.scene.body_count() {
             self.scene
-                .prepare_body(body, &self.state, &mut self.scratch, false);
+                .prepare_body(body, &self.state, &mut self.scratch);
         }
         std::mem::swap(scene, &mut self.scene);
         std::mem::swap(state, &mut self.state);

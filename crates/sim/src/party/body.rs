@@ -1,9 +1,9 @@
-//! A body: its state, and its buffers.
+//! A body: its state and its buffers.
 
-use super::free::Gives;
-use super::moved::{RigidScratch, RigidState, RigidStep};
+use super::flight::Gives;
+use super::rigid::{RigidScratch, RigidState, RigidStep};
 use crate::body::{DeformableScratch, DeformableState};
-use crate::scene::Body;
+use crate::scene::{Body, Scene};
 use crate::solve::side::Sided;
 use palpate_geometry::contact::pair::PairSide;
 use palpate_geometry::math::{Point3, Vector3};
@@ -111,13 +111,25 @@ pub struct BodyScratch {
     pub(crate) solver: ClosestSolver,
     /// Box of the net now and after free motion: the surface stays in it through the tick.
     pub(crate) bounds: (Point3, Point3),
-    pub(crate) deforming: Option<DeformingScratch>,
+    pub(super) deforming: Option<DeformingScratch>,
     /// How far it goes in the tick under way, when it is rigid and moves.
     pub(crate) step: RigidStep,
-    pub(crate) rigid: Option<Box<RigidScratch>>,
+    pub(super) rigid: Option<Box<RigidScratch>>,
 }
 
 impl BodyScratch {
+    /// Of a body that stands still.
+    pub(crate) fn of(body: &Body) -> Self {
+        Self {
+            surface: body.surface.clone(),
+            solver: ClosestSolver::new(&body.surface),
+            bounds: box_of(body.surface.net().points()),
+            deforming: None,
+            step: RigidStep::NONE,
+            rigid: None,
+        }
+    }
+
     /// The surface as points see it that keep their side of it.
     pub(crate) fn sided(&mut self, body: &Body) -> Sided<'_> {
         Sided {
@@ -137,6 +149,7 @@ impl BodyScratch {
     }
 }
 
+/// Buffers of a body that deforms.
 #[derive(Debug)]
 pub(crate) struct DeformingScratch {
     pub deformable: DeformableScratch,
@@ -159,4 +172,12 @@ pub(crate) fn box_of(points: &[Point3]) -> (Point3, Point3) {
     points.iter().fold((infinite, -infinite), |(low, high), p| {
         (low.inf(p), high.sup(p))
     })
+}
+
+/// A body with its constants of one kind.
+pub(crate) struct Of<'a, K> {
+    pub scene: &'a Scene,
+    pub index: usize,
+    pub body: &'a Body,
+    pub kind: K,
 }

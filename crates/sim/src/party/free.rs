@@ -1,214 +1,277 @@
 //! Rigid bodies that contact and gravity move.
 //!
 //! ```text
-//! Render   free motion      v* = v + dt g, x* = x + dt v*, R* = turned by L; rows see how far it takes them
+//! predict  free motion      v* = v + dt g, x* = x + dt v*, R* = turned by L; rows see how far it takes them
 //!          contact          a row's force f at the arm r moves the body by dt² (f / m + (I⁻¹ (r × f)) × r')
-//! Deform   with its forces  v' = v* + dt Σ f / m, L' = L + dt Σ r × f, x' = x + dt v', R' = turned by L'
+//! apply    with its forces  v' = v* + dt Σ f / m, L' = L + dt Σ r × f, x' = x + dt v', R' = turned by L'
 //! ```
 //! That is symplectic Euler for the centre of mass and, for the rotation, the implicit midpoint rule of
 //! [`Mass::turned`]. Contact takes all of the speed at which surfaces meet, unless the pair has a restitution
 //! (Moreau 1988): then they part with that share of it. Angular momentum in the world changes by moments alone, so that in flight it keeps its bits.
 
-use crate::scene::{Free, Mass, Mover};
-use crate::solve::rows::Row;
-use palpate_geometry::math::{Point3, Rotation, Vector3};
-use palpate_geometry::stateful;
+use super::body::{BodyScratch, BodyState, Of};
+use super::contract::{Around, Party, direction};
+use super::flight::{Flight, Gives, RigidMotion};
+use super::moved::{arrive, buffers, go, net, prepare, starting, stay};
+use super::pipeline::Pipeline;
+use super::rigid::{Course, RigidState, Turn};
+use crate::body::Field;
+use crate::scene::{Free, Mover};
+use crate::solve::rows::{Row, RowSet};
+use crate::solve::solver::{Solver, TURNS};
+use crate::tick::record::TickFault;
+use palpate_geometry::math::{Point3, Vector3, turn_between};
 
-/// Ticks after which a body that is slow is at rest.
-const CALM_TICKS: u32 = 100;
-/// Slow is slower than so many times `sleep_m_s`: as for deforming bodies that lie on others, whose contact
-/// points tremble.
-const TREMBLES: f64 = 300.0;
-/// How a free rigid body moves.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Flight {
-    /// Of its centre of mass, m/s.
-    pub velocity_m_s: Vector3,
-    /// Angular momentum about its centre of mass, kg·m²/s; in the world.
-    pub momentum: Vector3,
-    /// Ticks for which it has been slow, up to [`CALM_TICKS`].
-    calm: u32,
-    /// It lies at rest and neither moves nor is looked at.
-    left_alone: bool,
+/// Rows of a free body lean on each other through its mass: three and more carry it where one would.
+const SWEEPS: usize = 200;
+
+/// What a free body has beside its surface.
+#[derive(Clone, Copy)]
+pub(crate) struct Freed<'a> {
+    pub mover: &'a Mover,
+    pub free: &'a Free,
 }
 
-stateful!(Flight, |this, walk| {
-    let Flight {
-        velocity_m_s,
-        momentum,
-        calm,
-        left_alone,
-    } = this;
-    walk.packed("rest of a free body", [(0, calm), (32, left_alone)])?;
-    walk.ensure(*calm <= CALM_TICKS, "calm ticks", u64::from(*calm))?;
-    walk.vector(velocity_m_s)?;
-    walk.vector(momentum)
-});
+impl Party for Of<'_, Freed<'_>> {
+    type State = BodyState;
+    type Scratch = BodyScratch;
 
-impl Flight {
-    /// At the start.
-    pub(crate) fn start(free: &Free) -> Self {
-        Self {
-            velocity_m_s: free.velocity_m_s,
-            momentum: free.mass.momentum(&free.mass.axes, &free.spin_rad_s),
-            ..Self::default()
-        }
+    fn start(&self) -> BodyState {
+        starting(self.with(Flight::start(self.kind.free)))
     }
 
-    /// It has been at rest for a while.
-    pub(crate) fn lies_calm(&self) -> bool {
-        self.calm >= CALM_TICKS
+    fn scratch(&self) -> BodyScratch {
+        buffers(self.body, self.with(Flight::start(self.kind.free)))
     }
 
-    /// It lies at rest and neither moves nor is looked at.
-    pub(crate) fn is_left_alone(&self) -> bool {
-        self.left_alone
+    fn prepare(&self, _: Field, state: &BodyState, scratch: &mut BodyScratch, _: bool) {
+        prepare(self.body, &self.kind.mover.placement, state, scratch);
     }
 
-    /// Leaves it alone, at rest, or takes it up again.
-    pub(crate) fn leave_alone(&mut self, left_alone: bool) {
-        *self = match left_alone {
-            true => Self {
-                calm: CALM_TICKS,
-                left_alone,
-                ..Self::default()
-            },
-            false => Self {
-                calm: 0,
-                left_alone,
-                ..*self
-            },
+    fn predict(&self, around: &Around<'_>, state: &BodyState, scratch: &mut BodyScratch) {
+        stay(state, scratch);
+        let (Some(rigid), Some(now)) = (&mut scratch.rigid, &state.rigid) else {
+            return;
         };
+        let mass = &self.kind.free.mass;
+        rigid.load = Default::default();
+        rigid.gives = Some(Gives::new(
+            mass,
+            &now.position,
+            &now.rotation,
+            self.scene.dt_s,
+        ));
+        if !around.moving || state.is_left_alone() {
+            return;
+        }
+        let next = self.pushed(now, Default::default());
+        let turn = Turn::Rate(turn_between(&now.rotation, &next.rotation));
+        let placement = &self.kind.mover.placement;
+        go(self.body, placement, (now, next), turn, scratch);
     }
 
-    /// Where the body is after a tick, and how it moves then, under a force (N) and a moment about its
-    /// centre (N·m) beside gravity.
-    pub(crate) fn after(
+    fn respond(
         &self,
-        (position, rotation): (&Point3, &Rotation),
-        free: &Free,
-        gravity: &Vector3,
-        (force_n, moment_nm): (&Vector3, &Vector3),
-        dt_s: f64,
-    ) -> (Point3, Rotation, Self) {
-        let mass = &free.mass;
-        let velocity_m_s = self.velocity_m_s + (gravity + force_n / mass.mass_kg) * dt_s;
-        let momentum = self.momentum + moment_nm * dt_s;
-        let rim_m_s = mass.spin(rotation, &momentum).norm() * mass.reach_m;
-        let slow = velocity_m_s.norm() + rim_m_s < TREMBLES * free.sleep_m_s;
-        let next = Self {
-            velocity_m_s,
-            momentum,
-            calm: if slow {
-                (self.calm + 1).min(CALM_TICKS)
-            } else {
-                0
-            },
-            left_alone: false,
+        _: &BodyState,
+        scratch: &BodyScratch,
+        rows: &RowSet,
+        whole: bool,
+        solver: &mut Solver,
+    ) {
+        let Some(gives) = scratch.gives() else {
+            return;
         };
-        (
-            position + velocity_m_s * dt_s,
-            mass.turned(rotation, &momentum, dt_s),
-            next,
-        )
-    }
-}
-
-/// What a free body gives way in one tick, in the pose it has.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Gives {
-    /// Centre of mass, m.
-    centre: Point3,
-    /// From its principal axes to the world.
-    rotation: Rotation,
-    /// The principal axes, in the world.
-    axes: [Vector3; 3],
-    /// dt² / m, m/N.
-    pub shift_m_n: f64,
-    /// dt² / I about each axis, rad/(N·m).
-    pub turn_rad_nm: [f64; 3],
-}
-
-impl Gives {
-    pub(crate) fn new(mass: &Mass, position: &Point3, rotation: &Rotation, dt_s: f64) -> Self {
-        Self {
-            centre: *position,
-            rotation: *rotation,
-            axes: [0, 1, 2].map(|k| rotation * Vector3::ith(k, 1.0)),
-            shift_m_n: dt_s * dt_s / mass.mass_kg,
-            turn_rad_nm: mass.moments_kg_m2.map(|moment| dt_s * dt_s / moment),
+        let (rows, problem) = (&rows.rows, &mut solver.problem);
+        for (i, a) in rows.iter().enumerate() {
+            for (sign_a, _) in a.sides_on(self.index) {
+                let turn = match whole {
+                    true => Vector3::zeros(),
+                    false => gives.turned(&gives.arm(a).cross(&a.normal)),
+                };
+                for (j, b) in rows.iter().enumerate().take(i + 1) {
+                    for (sign_b, _) in b.sides_on(self.index) {
+                        let mut entry = gives.shift_m_n * direction(a, b, whole);
+                        if !whole {
+                            entry += turn.dot(&gives.arm(b).cross(&b.normal));
+                        }
+                        entry *= sign_a * sign_b;
+                        problem.row_mut(i)[j] += entry;
+                        if i != j {
+                            problem.row_mut(j)[i] += entry;
+                        }
+                    }
+                }
+            }
         }
     }
 
-    /// From the centre of mass to where a row acts, m: on a tool's row where it is on the body, on others
-    /// in the middle between both surfaces, so that two bodies keep their angular momentum together.
-    pub(crate) fn arm(&self, row: &Row) -> Vector3 {
-        let place = match row.tool() {
-            Some(_) => row.point,
-            None => row.point + row.normal * (0.5 * row.now_m),
+    fn mode_count(&self) -> usize {
+        TURNS
+    }
+
+    fn give_modes(
+        &self,
+        scratch: &BodyScratch,
+        _: &RowSet,
+        row: &Row,
+        first: usize,
+        solver: &mut Solver,
+    ) {
+        let Some(gives) = scratch.gives() else {
+            return;
         };
-        place - self.centre
+        for (sign, _) in row.sides_on(self.index) {
+            let moves = gives.moves(&gives.arm(row));
+            for (k, (moves, gain)) in moves.iter().zip(gives.turn_rad_nm).enumerate() {
+                (solver.friction).add_turn(first + k, gain, &(moves * sign));
+            }
+        }
     }
 
-    /// How a moment turns it, rad.
-    pub(crate) fn turned(&self, moment: &Vector3) -> Vector3 {
-        let parts = self.axes.iter().zip(&self.turn_rad_nm);
-        parts
-            .map(|(axis, gain)| axis * (gain * axis.dot(moment)))
-            .sum()
-    }
-
-    /// How a turn by one rad about each of its axes moves a point at an arm, m.
-    pub(crate) fn moves(&self, arm: &Vector3) -> [Vector3; 3] {
-        self.axes.map(|axis| axis.cross(arm))
-    }
-
-    /// A point of the world, from the centre of mass in the principal axes, m.
-    pub(crate) fn to_body(self, point: &Point3) -> Vector3 {
-        self.rotation
-            .inverse_transform_vector(&(point - self.centre))
-    }
-
-    /// The reverse.
-    pub(crate) fn to_world(self, place: &Vector3) -> Point3 {
-        self.centre + self.rotation * place
-    }
-}
-
-/// How a free rigid body moves, for whoever measures.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RigidMotion {
-    /// kg.
-    pub mass_kg: f64,
-    /// Centre of mass, m.
-    pub centre: Point3,
-    /// Of it, m/s.
-    pub velocity_m_s: Vector3,
-    /// rad/s; in the world.
-    pub spin_rad_s: Vector3,
-    /// About the centre of mass, kg·m²/s; in the world.
-    pub momentum: Vector3,
-    /// Of the motion, J.
-    pub energy_j: f64,
-}
-
-impl RigidMotion {
-    pub(crate) fn of(
-        mover: &Mover,
-        (position, rotation): (&Point3, &Rotation),
-        flight: &Flight,
-    ) -> Option<Self> {
-        let mass = &mover.free()?.mass;
-        let spin_rad_s = mass.spin(rotation, &flight.momentum);
-        let velocity_m_s = flight.velocity_m_s;
-        Some(Self {
-            mass_kg: mass.mass_kg,
-            centre: *position,
-            velocity_m_s,
-            spin_rad_s,
-            momentum: flight.momentum,
-            energy_j: 0.5 * mass.mass_kg * velocity_m_s.norm_squared()
-                + 0.5 * flight.momentum.dot(&spin_rad_s),
+    fn gives(
+        &self,
+        _: &BodyState,
+        scratch: &BodyScratch,
+        _: &RowSet,
+        row: &Row,
+        _: &mut Solver,
+    ) -> f64 {
+        scratch.gives().map_or(0.0, |gives| {
+            let turning = gives.arm(row).cross(&row.normal);
+            let alone = gives.shift_m_n + gives.turned(&turning).dot(&turning);
+            let signs: f64 = row.sides_on(self.index).map(|(sign, _)| sign).sum();
+            alone * signs.powi(2)
         })
+    }
+
+    fn sweeps(&self, so_far: usize, touched: &dyn Fn() -> bool) -> usize {
+        if so_far < SWEEPS && touched() {
+            SWEEPS
+        } else {
+            0
+        }
+    }
+
+    fn take(
+        &self,
+        scratch: &mut BodyScratch,
+        _: &RowSet,
+        row: &Row,
+        push_n: Vector3,
+        iteration: usize,
+    ) {
+        let Some(rigid) = scratch.rigid.as_mut().filter(|_| iteration == 0) else {
+            return;
+        };
+        let Some(gives) = &rigid.gives else { return };
+        if push_n == Vector3::zeros() || !push_n.iter().all(|x| x.is_finite()) {
+            return;
+        }
+        for (sign, _) in row.sides_on(self.index) {
+            let push_n = push_n * sign;
+            rigid.load.0 += push_n;
+            rigid.load.1 += gives.arm(row).cross(&push_n);
+        }
+    }
+
+    fn apply(
+        &self,
+        _: &Around<'_>,
+        state: &mut BodyState,
+        scratch: &mut BodyScratch,
+        _: &mut Option<Box<dyn Pipeline>>,
+    ) -> Option<TickFault> {
+        let (rigid, now) = (scratch.rigid.as_mut()?, state.rigid.as_ref()?);
+        rigid.next = self.pushed(now, rigid.load);
+        let fault = self.unsound(&rigid.next);
+        if fault.is_some() {
+            rigid.next = self.with(Flight::default());
+        }
+        let placement = &self.kind.mover.placement;
+        let (rest, current) = (self.body.surface.net(), scratch.surface.net());
+        scratch.step.most_m = rigid.place(placement, rest.points(), current.points());
+        arrive(state, scratch);
+        fault
+    }
+
+    fn may_rest(&self) -> bool {
+        true
+    }
+
+    fn leave_alone(
+        &self,
+        around: &Around<'_>,
+        state: &mut BodyState,
+        scratch: &mut BodyScratch,
+        leave: bool,
+    ) {
+        if let Some(flight) = state.rigid.as_mut().and_then(RigidState::flight_mut) {
+            flight.leave_alone(leave);
+        }
+        self.predict(around, state, scratch);
+    }
+
+    fn net(&self, state: &BodyState, out: &mut [Point3]) {
+        net(self.body, &self.kind.mover.placement, state, out);
+    }
+
+    fn carry(&self, state: &BodyState, rest: &Point3) -> Point3 {
+        let rigid = state.rigid.as_ref();
+        rigid.map_or(*rest, |rigid| rigid.carry(&self.kind.mover.placement, rest))
+    }
+
+    fn speed_m_s(&self, state: &BodyState) -> f64 {
+        state.moved_m / self.scene.dt_s
+    }
+
+    fn motion(&self, state: &BodyState) -> Option<RigidMotion> {
+        let now = state.rigid.as_ref()?;
+        let here = (&now.position, &now.rotation);
+        Some(RigidMotion::of(&self.kind.free.mass, here, now.flight()?))
+    }
+}
+
+impl Of<'_, Freed<'_>> {
+    /// At the start, moving like this.
+    fn with(&self, flight: Flight) -> RigidState {
+        RigidState::start(&self.kind.mover.placement, Course::Free(flight))
+    }
+
+    /// After the next tick, under a force (N) and a moment about its centre (N·m) of its contacts.
+    fn pushed(&self, now: &RigidState, load: (Vector3, Vector3)) -> RigidState {
+        let Some(flight) = now.flight().filter(|flight| !flight.is_left_alone()) else {
+            return *now;
+        };
+        let (scene, here) = (self.scene, (&now.position, &now.rotation));
+        let gravity = Vector3::from(scene.spec.gravity.acceleration);
+        let load = (&load.0, &load.1);
+        let (position, rotation, flight) =
+            flight.after(here, self.kind.free, &gravity, load, scene.dt_s);
+        RigidState {
+            ticks: now.ticks + 1,
+            position,
+            rotation,
+            course: Course::Free(flight),
+        }
+    }
+
+    /// What is wrong with a state, if anything: not all of it is a number, or it is faster than a body can be.
+    fn unsound(&self, state: &RigidState) -> Option<TickFault> {
+        let flight = state.flight()?;
+        let placed = state
+            .position
+            .iter()
+            .chain(state.rotation.as_vector().iter());
+        let moves = flight.velocity_m_s + flight.momentum;
+        if !placed
+            .into_iter()
+            .chain(moves.iter())
+            .all(|x| x.is_finite())
+        {
+            return Some(TickFault::NotFinite);
+        }
+        let body = self.index as u32;
+        let fast = flight.velocity_m_s.norm() > TickFault::MOST_SPEED_M_S;
+        fast.then_some(TickFault::CameApart { body })
     }
 }

@@ -1,150 +1,235 @@
-//! Rigid bodies that move. Of most a script, the device of a tool or a command says where to, and contact
-//! does not move them; of those that are free, [`super::free`].
-//!
-//! ```text
-//! Render   aim      where the body goes in this tick; rows see how far it takes each of its points
-//! Deform   advance  it is there, a free one where contact let it go; its net follows
-//! ```
-//! What they press gives way as to any other surface, and slip counts relative to them, so that
-//! friction drags what lies on them along.
+//! Where a rigid body is that moves, and its way through a tick.
 
-use super::body::{BodyScratch, BodyState, box_of};
-use super::free::{Flight, Gives};
-use super::moved::{Course, RigidState, RigidStep, Turn};
-use super::tool::ToolState;
-use crate::scene::{Body, Mover, Scene};
-use crate::tick::record::TickFault;
-use palpate_geometry::math::{Point3, Rotation, Vector3, turn_between};
+use super::flight::{Flight, Gives};
+use crate::scene::{SPEED_MAX_M_S, TURNING_MAX_RAD_S};
+use palpate_geometry::math::{Point3, Pose, Rotation, Vector3, turn_between};
+use palpate_geometry::stateful;
 
-/// Finds where a body goes in this tick; `tools`: those that may take it along.
-pub(crate) fn aim(
-    scene: &Scene,
-    body: &Body,
-    state: &BodyState,
-    tools: &[ToolState],
-    parts: &mut BodyScratch,
-    moving: bool,
-) {
-    let (Some(mover), Some(now)) = (&body.mover, &state.rigid) else {
-        return;
-    };
-    let BodyScratch {
-        surface,
-        bounds,
-        step,
-        rigid,
-        ..
-    } = parts;
-    let Some(rigid) = rigid else { return };
-    *step = RigidStep::NONE;
-    rigid.next = *now;
-    rigid.gives = mover
-        .free()
-        .map(|free| Gives::new(&free.mass, &now.position, &now.rotation, scene.dt_s));
-    let current = surface.net().points();
-    let here = box_of(current);
-    *bounds = here;
-    if !moving || now.flight().is_some_and(Flight::is_left_alone) {
-        return;
-    }
-    rigid.next = now.next(mover, scene, tools);
-    let rest = body.surface.net().points();
-    let most = place(&rigid.next, mover, rest, current, &mut rigid.net);
-    let there = box_of(&rigid.net);
-    *bounds = (here.0.inf(&there.0), here.1.sup(&there.1));
-    *step = RigidStep {
-        from: now.position,
-        shift: rigid.next.position - now.position,
-        turn: match rigid.next.rotation == now.rotation {
-            _ if now.flight().is_some() => {
-                Turn::Rate(turn_between(&now.rotation, &rigid.next.rotation))
-            }
-            true => Turn::Whole(Rotation::identity()),
-            false => Turn::Whole(rigid.next.rotation * now.rotation.inverse()),
-        },
-        most_m: most,
-    };
+/// Where a rigid body that moves is, and what takes it on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RigidState {
+    /// Ticks in which it could move: the time of its script.
+    pub ticks: u64,
+    /// Origin of its frame in the world, m; of a free body: its centre of mass.
+    pub position: Point3,
+    /// Of its frame; of a free body: of its principal axes.
+    pub rotation: Rotation,
+    /// What takes it on.
+    pub course: Course,
 }
 
-/// Writes the net of a body in a state; how far from where its points are the farthest is, m.
-fn place(
-    state: &RigidState,
-    mover: &Mover,
-    rest: &[Point3],
-    current: &[Point3],
-    net: &mut [Point3],
-) -> f64 {
-    let mut most: f64 = 0.0;
-    for ((to, rest), from) in net.iter_mut().zip(rest).zip(current) {
-        *to = state.carry(mover, rest);
-        most = most.max((*to - from).norm_squared());
-    }
-    most.sqrt()
+/// What takes a rigid body on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Course {
+    /// A command, once there was one; from then on nothing else does.
+    Sent(Sent),
+    /// Forces.
+    Free(Flight),
 }
 
-/// Each body is where it was going, or where contact let it go; `load_on`: force and moment of contacts on a free
-/// one. Gives the last fault for which one had to be set back to
-/// its start.
-pub(crate) fn advance(
-    scene: &Scene,
-    states: &mut [BodyState],
-    bodies: &mut [BodyScratch],
-    load_on: impl Fn(usize, &Gives) -> (Vector3, Vector3),
-) -> Option<TickFault> {
-    let mut fault = None;
-    for (b, body) in scene.bodies.iter().enumerate() {
-        let load = bodies[b].gives().map(|gives| load_on(b, gives));
-        let BodyState {
-            rigid: Some(now),
-            revision,
-            moved_m,
-            ..
-        } = &mut states[b]
-        else {
-            continue;
-        };
-        let BodyScratch {
-            surface,
-            solver,
-            step,
-            rigid,
-            ..
-        } = &mut bodies[b];
-        let (Some(rigid), Some(mover)) = (rigid, &body.mover) else {
-            continue;
-        };
-        if let Some(load) = load {
-            rigid.next = now.pushed(mover, scene, load);
-            if let Some(unsound) = rigid.next.unsound(b) {
-                rigid.next = RigidState::start(mover);
-                rigid.next.course = Course::Free(Flight::default());
-                fault = Some(unsound);
-            }
-            let (rest, current) = (body.surface.net().points(), surface.net().points());
-            step.most_m = place(&rigid.next, mover, rest, current, &mut rigid.net);
+/// A way that a command asked for; of 0 ticks: none did.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sent {
+    /// From there.
+    pub from: (Point3, Rotation),
+    /// To there.
+    pub to: (Point3, Rotation),
+    /// In so many ticks.
+    pub ticks: u32,
+    /// Of which so many are over.
+    pub done: u32,
+}
+
+impl Default for Sent {
+    fn default() -> Self {
+        let here = (Point3::origin(), Rotation::identity());
+        Self {
+            from: here,
+            to: here,
+            ticks: 0,
+            done: 0,
         }
-        *now = rigid.next;
-        *moved_m = step.most_m;
-        if step.most_m > 0.0 {
-            *revision += 1;
-            surface.net_mut().points_mut().copy_from_slice(&rigid.net);
-            solver.net_changed();
-        }
-        *step = RigidStep::NONE;
     }
-    fault
 }
 
-/// Brings a body's buffers in line with its state.
-pub(crate) fn prepare(mover: &Mover, rest: &[Point3], state: &RigidState, parts: &mut BodyScratch) {
-    let points = parts.surface.net_mut().points_mut();
-    for (point, rest) in points.iter_mut().zip(rest) {
-        *point = state.carry(mover, rest);
+stateful!(RigidState, |this, walk| {
+    let RigidState {
+        ticks,
+        position,
+        rotation,
+        course,
+    } = this;
+    walk.word(ticks)?;
+    walk.point(position)?;
+    walk.rotation(rotation)?;
+    // Which of the two it is, the scene says.
+    match course {
+        Course::Sent(sent) => walk.part(sent),
+        Course::Free(flight) => walk.part(flight),
     }
-    parts.solver.net_changed();
-    parts.bounds = box_of(parts.surface.net().points());
-    parts.step = RigidStep::NONE;
-    if let Some(rigid) = &mut parts.rigid {
-        rigid.next = *state;
+});
+
+stateful!(Sent, |this, walk| {
+    let Sent {
+        from: (from, from_turned),
+        to: (to, to_turned),
+        ticks,
+        done,
+    } = this;
+    walk.packed("ticks of a body's way", [(0, ticks), (32, done)])?;
+    walk.ensure(*done <= *ticks, "tick of a body's way", u64::from(*done))?;
+    walk.point(from)?;
+    walk.rotation(from_turned)?;
+    walk.point(to)?;
+    walk.rotation(to_turned)
+});
+
+impl RigidState {
+    /// At the start.
+    pub(super) fn start(placement: &Pose, course: Course) -> Self {
+        Self {
+            ticks: 0,
+            position: Point3::from(placement.translation.vector),
+            rotation: placement.rotation,
+            course,
+        }
+    }
+
+    /// How it moves, when it is free.
+    pub fn flight(&self) -> Option<&Flight> {
+        match &self.course {
+            Course::Free(flight) => Some(flight),
+            Course::Sent(_) => None,
+        }
+    }
+
+    /// The same, to be changed.
+    pub(crate) fn flight_mut(&mut self) -> Option<&mut Flight> {
+        match &mut self.course {
+            Course::Free(flight) => Some(flight),
+            Course::Sent(_) => None,
+        }
+    }
+
+    /// Sends it to a place, in so many ticks, or more if it would be too fast. A free body stays where it
+    /// is.
+    pub(crate) fn send(&mut self, to: (Point3, Rotation), ticks: u32, dt_s: f64) {
+        let Course::Sent(sent) = &mut self.course else {
+            return;
+        };
+        // The smooth way is 15/8 as fast in its middle.
+        let ticks_at = |length: f64, most: f64| (1.875 * length / (most * dt_s)).ceil() as u32;
+        let ticks = ticks
+            .max(ticks_at((to.0 - self.position).norm(), SPEED_MAX_M_S))
+            .max(ticks_at(
+                turn_between(&self.rotation, &to.1).norm(),
+                TURNING_MAX_RAD_S,
+            ));
+        *sent = Sent {
+            from: (self.position, self.rotation),
+            to,
+            ticks: ticks.max(1),
+            done: 0,
+        };
+    }
+
+    /// The same somewhere else, by so much (m, world axes).
+    pub(crate) fn moved(&self, by: &Vector3) -> Self {
+        let mut moved = *self;
+        moved.position += by;
+        if let Course::Sent(sent) = &mut moved.course {
+            sent.from.0 += by;
+            sent.to.0 += by;
+        }
+        moved
+    }
+
+    /// A point of the body at rest, where it is now.
+    pub(super) fn carry(&self, placement: &Pose, rest: &Point3) -> Point3 {
+        let origin = Point3::from(placement.translation.vector);
+        if self.rotation == placement.rotation {
+            return rest + (self.position - origin);
+        }
+        let turn = self.rotation * placement.rotation.inverse();
+        self.position + turn * (rest - origin)
+    }
+}
+
+/// How a body turns in this tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Turn {
+    /// Each point goes where it will be.
+    Whole(Rotation),
+    /// Each point goes along its velocity, rad: what the turn of a free body lifts a point that rolls off
+    /// is no room for the next one to sink into.
+    Rate(Vector3),
+}
+
+/// How far a body goes in this tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct RigidStep {
+    /// Origin of its frame before, m.
+    pub(super) from: Point3,
+    /// Of that, m.
+    pub(super) shift: Vector3,
+    /// About it.
+    pub(super) turn: Turn,
+    /// Of the control point that goes farthest, m.
+    pub most_m: f64,
+}
+
+impl RigidStep {
+    /// It stays where it is.
+    pub const NONE: Self = Self {
+        from: Point3::new(0.0, 0.0, 0.0),
+        shift: Vector3::new(0.0, 0.0, 0.0),
+        turn: Turn::Rate(Vector3::new(0.0, 0.0, 0.0)),
+        most_m: 0.0,
+    };
+
+    /// Of a point of the body, m.
+    pub fn at(&self, point: &Point3) -> Vector3 {
+        if self.most_m == 0.0 {
+            return Vector3::zeros();
+        }
+        let arm = point - self.from;
+        match self.turn {
+            Turn::Whole(turn) => self.shift + (turn * arm - arm),
+            Turn::Rate(turn) => self.shift + turn.cross(&arm),
+        }
+    }
+}
+
+/// Buffers of a body that moves.
+#[derive(Debug)]
+pub(crate) struct RigidScratch {
+    /// Its net after the tick under way.
+    pub net: Vec<Point3>,
+    /// Its state after it; of a free body: if nothing touches it.
+    pub next: RigidState,
+    /// What it gives way in it, when it is free.
+    pub gives: Option<Gives>,
+    /// Force (N) and moment about its centre of mass (N·m) that it took in it.
+    pub load: (Vector3, Vector3),
+}
+
+impl RigidScratch {
+    pub(super) fn new(start: RigidState, net: &[Point3]) -> Box<Self> {
+        Box::new(Self {
+            net: net.to_vec(),
+            next: start,
+            gives: None,
+            load: Default::default(),
+        })
+    }
+
+    /// Writes the net of the state to come; how far from `current` the farthest of its points is, m.
+    pub(super) fn place(&mut self, placement: &Pose, rest: &[Point3], current: &[Point3]) -> f64 {
+        let mut most: f64 = 0.0;
+        for ((to, rest), from) in self.net.iter_mut().zip(rest).zip(current) {
+            *to = self.next.carry(placement, rest);
+            most = most.max((*to - from).norm_squared());
+        }
+        most.sqrt()
     }
 }

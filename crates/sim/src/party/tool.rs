@@ -2,7 +2,7 @@
 
 use crate::haptics::{DeviceBounds, Link, Port};
 use crate::solve::grip::{GRAB, GripState};
-use palpate_geometry::math::{Point3, Rotation};
+use palpate_geometry::math::{Point3, Rotation, Vector3};
 use palpate_geometry::stateful;
 
 /// State of a tool.
@@ -52,8 +52,14 @@ pub(crate) struct ToolScratch {
     pub free_turn: Rotation,
     /// The proxy held back by the surfaces as they stand, m.
     pub proxy: Point3,
-    /// Share of its contact forces that the limiter lets through.
+    /// Force of its contacts, N.
+    pub force_n: Vector3,
+    /// Torque of its contacts about its reference point, N·m.
+    pub torque_nm: Vector3,
+    /// Share of them that the limiter lets through.
     pub borne: f64,
+    /// The proxy under those forces, m.
+    pub held: Point3,
 }
 
 impl Default for ToolScratch {
@@ -62,7 +68,10 @@ impl Default for ToolScratch {
             free: Point3::origin(),
             free_turn: Rotation::identity(),
             proxy: Point3::origin(),
+            force_n: Vector3::zeros(),
+            torque_nm: Vector3::zeros(),
             borne: 0.0,
+            held: Point3::origin(),
         }
     }
 }

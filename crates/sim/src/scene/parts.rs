@@ -49,9 +49,27 @@ impl Body {
         self.mover.as_ref()?.free()
     }
 
+    /// The constants of a body that deforms.
+    pub fn deforming(&self) -> Option<&DeformingBody> {
+        match &self.model {
+            BodyModel::Deforming(model) => Some(model),
+            BodyModel::Rigid => None,
+        }
+    }
+
+    /// Its surface deforms.
+    pub fn is_soft(&self) -> bool {
+        self.deforming().is_some()
+    }
+
+    /// Soft modes give way beside its surface.
+    pub fn has_soft_modes(&self) -> bool {
+        (self.deforming()).is_some_and(|model| model.deformable.mode_count() > 0)
+    }
+
     /// It gives way to nothing: it is rigid, and no force moves it.
     pub fn is_firm(&self) -> bool {
-        matches!(self.model, BodyModel::Rigid) && self.free().is_none()
+        !self.is_soft() && self.free().is_none()
     }
 }
 

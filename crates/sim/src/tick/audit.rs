@@ -42,22 +42,12 @@ impl Scene {
     /// Greatest speed of any coordinate of a deforming body, m/s; of a rigid one that moves, of its
     /// control points. 0 of what is fixed.
     pub fn speed_m_s(&self, state: &SceneState, body: usize) -> f64 {
-        match &state.bodies[body].deformable {
-            Some(deformable) => (deformable.velocities.iter())
-                .fold(0.0, |most: f64, v| most.max(v.norm_squared()))
-                .sqrt(),
-            None => state.bodies[body].moved_m / self.dt_s,
-        }
+        self.party(body).speed_m_s(&state.bodies[body])
     }
 
     /// How a free rigid body moves; `None` of others.
     pub fn rigid_motion(&self, state: &SceneState, body: usize) -> Option<RigidMotion> {
-        let state = state.bodies[body].rigid.as_ref()?;
-        RigidMotion::of(
-            self.bodies[body].mover.as_ref()?,
-            (&state.position, &state.rotation),
-            state.flight()?,
-        )
+        self.party(body).motion(&state.bodies[body])
     }
 
     /// True when a body lies at rest on others and is left alone.
@@ -67,9 +57,6 @@ impl Scene {
 
     /// Placement of a rigid body that moves: a point of its surface at rest, where it is now, m.
     pub fn carried_point(&self, state: &SceneState, body: usize, rest: &Point3) -> Point3 {
-        match (&self.bodies[body].mover, &state.bodies[body].rigid) {
-            (Some(mover), Some(rigid)) => rigid.carry(mover, rest),
-            _ => *rest,
-        }
+        self.party(body).carry(&state.bodies[body], rest)
     }
 }

@@ -14,23 +14,18 @@
 
 use super::{Warm, WarmRow};
 use super::{dent, quality, stick};
-use crate::body::Deformable;
-use crate::party::{BodyScratch, Gives, ToolScratch, ToolState};
-use crate::scene::{Body, BodyModel, Scene};
+use crate::party::{BodyScratch, BodyState, Party as _, ToolScratch, ToolState};
+use crate::scene::{Body, Scene};
 use crate::solve::cones::{self, ConeShare};
 use crate::solve::friction::{FrictionLaw, Lever};
 use crate::solve::hold::{Barrier, hold};
-use crate::solve::rows::{Holder, Row, RowSet};
+use crate::solve::rows::{Row, RowSet};
 use crate::solve::sharing::{Share, share};
-use crate::solve::solver::{MANY_ROWS, Solver, TURNS};
+use crate::solve::solver::{MANY_ROWS, Solver};
 use palpate_geometry::math::Vector3;
 
-/// Enough for a corner of three planes: rows on rigid bodies are few.
-const RIGID_SWEEPS: usize = 50;
-/// Rows of a tool that turns lean on each other through its arms.
-const TURNING_SWEEPS: usize = 200;
-/// Rows of a free body lean on each other through its mass: three and more carry it where one would.
-const FREE_SWEEPS: usize = 200;
+/// Where there are no tools.
+const SWEEPS: usize = 50;
 /// Fewest sweeps under lower quality, where there are as many.
 const LEAST_SWEEPS: usize = 10;
 /// Weight of a row that carries, relative to the depth that its force means to the coupling.
@@ -49,6 +44,7 @@ enum Start {
 pub(super) struct Balance<'a> {
     pub scene: &'a Scene,
     pub tools: &'a [ToolState],
+    pub states: &'a [BodyState],
     pub warm: &'a Warm,
     pub quality: u8,
     pub tool_parts: &'a mut [ToolScratch],
@@ -68,36 +64,18 @@ impl Balance<'_> {
             return;
         }
         let whole = self.is_whole();
-        for i in 0..count {
-            let a = self.rows.rows[i];
-            let Some(tool) = a.tool() else { continue };
-            let coupling = scene.tools[tool].coupling_for(&self.tools[tool].bounds);
-            let (compliance, turning) = (
-                coupling.compliance_m_n(),
-                coupling.turning_compliance_rad_nm(),
-            );
-            let twist = a.arm.cross(&a.normal) * turning;
-            for j in 0..count {
-                let b = &self.rows.rows[j];
-                if a.holder == b.holder {
-                    let mut moved = compliance * direction(&a, b, whole);
-                    if turning > 0.0 && !whole {
-                        moved += twist.dot(&b.arm.cross(&b.normal));
-                    }
-                    self.solver.problem.row_mut(i)[j] = moved;
-                }
-            }
+        let Self {
+            rows,
+            solver,
+            tool_parts,
+            bodies,
+            ..
+        } = self;
+        for (t, tool) in scene.tool_parties().enumerate() {
+            tool.respond(&self.tools[t], &tool_parts[t], rows, whole, solver);
         }
-        for (b, body) in scene.bodies.iter().enumerate() {
-            if let BodyModel::Deforming(model) = &body.model {
-                self.add_body_compliance(b, &model.deformable, whole);
-                if !whole {
-                    self.add_soft_modes(b, &model.deformable);
-                }
-            }
-            if let Some(gives) = self.bodies[b].gives().copied() {
-                self.add_free_body(b, &gives, whole);
-            }
+        for (b, body) in scene.parties().enumerate() {
+            body.respond(&self.states[b], &bodies[b], rows, whole, solver);
         }
         dent::settle(self.rows, self.solver);
         if !whole {
@@ -122,30 +100,22 @@ impl Balance<'_> {
     fn is_whole(&self) -> bool {
         let scene = self.scene;
         let rows = &self.rows.rows;
-        let modes = |body: &Body| match &body.model {
-            BodyModel::Deforming(model) => model.deformable.mode_count(),
-            BodyModel::Rigid => 0,
-        };
         rows.iter().any(|row| row.law != FrictionLaw::SMOOTH)
-            || (rows.len() > MANY_ROWS && scene.bodies.iter().any(|body| modes(body) > 0))
+            || (rows.len() > MANY_ROWS && scene.bodies.iter().any(Body::has_soft_modes))
     }
 
     /// How often a solve goes over its rows. They start with the forces of the last tick: under lower
     /// quality, what few sweeps leave is settled over some ticks.
-    fn sweeps(&self, rows: &[Row]) -> usize {
-        let scene = self.scene;
-        let turns = scene.tools.iter().any(|tool| tool.coupling.turns());
-        let rigid = match (rows.len(), turns) {
-            _ if rows.iter().any(|row| is_on_free(scene, row)) => FREE_SWEEPS,
-            (1, false) => 1,
-            (_, false) => RIGID_SWEEPS,
-            (_, true) => TURNING_SWEEPS,
-        };
-        let of_bodies = scene.bodies.iter().filter_map(|body| match &body.model {
-            BodyModel::Deforming(model) => Some(model.sweeps),
-            BodyModel::Rigid => None,
-        });
-        let full = of_bodies.fold(rigid, usize::max);
+    fn sweeps(&self) -> usize {
+        let (scene, rows) = (self.scene, &self.rows.rows);
+        let touched = |b: usize| rows.iter().any(|row| row.sides_on(b).next().is_some());
+        let alone = rows.len() == 1 && !scene.tools.iter().any(|tool| tool.coupling.turns());
+        let of_tools = scene.tool_parties().map(|tool| tool.sweeps(0, &|| true));
+        let of_tools = of_tools.max().unwrap_or(SWEEPS);
+        let mut full = if alone { 1 } else { of_tools };
+        for (b, body) in scene.parties().enumerate() {
+            full = full.max(body.sweeps(full, &|| touched(b)));
+        }
         if self.quality < quality::FEWER_SWEEPS {
             full
         } else {
@@ -169,7 +139,7 @@ impl Balance<'_> {
             };
             self.solver.problem.set(i, row.gap_m, force);
         }
-        self.solver.problem.solve(self.sweeps(&self.rows.rows));
+        self.solver.problem.solve(self.sweeps());
         for tool in 0..scene.tools.len() {
             self.hold_by_rigid(tool);
             self.share_among_rigid(tool);
@@ -273,7 +243,7 @@ impl Balance<'_> {
         }
         self.solver
             .friction
-            .solve(self.solver.problem.matrix(), self.sweeps(&self.rows.rows));
+            .solve(self.solver.problem.matrix(), self.sweeps());
         for tool in 0..scene.tools.len() {
             self.share_whole_among_rigid(tool);
         }
@@ -390,45 +360,6 @@ impl Balance<'_> {
         }
     }
 
-    /// Adds what a body's surface gives way under its rows.
-    fn add_body_compliance(&mut self, body: usize, deformable: &Deformable, whole: bool) {
-        let Self {
-            rows,
-            solver,
-            bodies,
-            ..
-        } = self;
-        let Solver {
-            problem, delassus, ..
-        } = solver;
-        let Some(deforming) = &bodies[body].deforming else {
-            return;
-        };
-        delassus.clear();
-        for (i, row) in rows.rows.iter().enumerate() {
-            for (sign, side) in row.sides_on(body) {
-                let (controls, weights) = rows.weights_in(side);
-                let moving = controls
-                    .iter()
-                    .zip(weights)
-                    .filter_map(|(&control, &weight)| {
-                        let coordinate = deformable.coordinate_of_control(control as usize);
-                        Some((deformable.unknown(coordinate)?, coordinate, weight))
-                    });
-                delassus.add(i, sign, moving);
-            }
-        }
-        delassus.respond(|coordinate| deformable.compliance_of(&deforming.deformable, coordinate));
-        delassus.each_pair(|pair| {
-            let [i, j] = pair.rows;
-            let entry = pair.compliance * direction(&rows.rows[i], &rows.rows[j], whole);
-            problem.row_mut(i)[j] += entry;
-            if !pair.same {
-                problem.row_mut(j)[i] += entry;
-            }
-        });
-    }
-
     /// Adds how far balls go in beyond what nets show; where forces have three components, that is a mode.
     fn add_indentations(&mut self) {
         let Self { rows, solver, .. } = self;
@@ -451,118 +382,16 @@ impl Balance<'_> {
         }
     }
 
-    /// Adds what a free rigid body gives way; with friction only what it shifts, its turns are modes.
-    fn add_free_body(&mut self, body: usize, gives: &Gives, whole: bool) {
-        let Self { rows, solver, .. } = self;
-        let (rows, problem) = (&rows.rows, &mut solver.problem);
-        for (i, a) in rows.iter().enumerate() {
-            for (sign_a, _) in a.sides_on(body) {
-                let turn = match whole {
-                    true => Vector3::zeros(),
-                    false => gives.turned(&gives.arm(a).cross(&a.normal)),
-                };
-                for (j, b) in rows.iter().enumerate().take(i + 1) {
-                    for (sign_b, _) in b.sides_on(body) {
-                        let mut entry = gives.shift_m_n * direction(a, b, whole);
-                        if !whole {
-                            entry += turn.dot(&gives.arm(b).cross(&b.normal));
-                        }
-                        entry *= sign_a * sign_b;
-                        problem.row_mut(i)[j] += entry;
-                        if i != j {
-                            problem.row_mut(j)[i] += entry;
-                        }
-                    }
-                }
-            }
-        }
-    }
-
-    /// How each soft mode of a body moves a row, into the scratch; false if none does.
-    pub(super) fn modes_of_row(&mut self, body: usize, deformable: &Deformable, row: &Row) -> bool {
-        let Self {
-            bodies,
-            rows,
-            solver,
-            ..
-        } = self;
-        let mode_moves = &mut solver.mode_moves;
-        let Some(deforming) = &bodies[body].deforming else {
-            return false;
-        };
-        let moves = &mut mode_moves[..deformable.mode_count()];
-        moves.fill(Vector3::zeros());
-        let mut any = false;
-        for (sign, side) in row.sides_on(body) {
-            any = true;
-            let (controls, weights) = rows.weights_in(side);
-            for (&control, &weight) in controls.iter().zip(weights) {
-                let coordinate = deformable.coordinate_of_control(control as usize);
-                deformable.add_modes(&deforming.deformable, coordinate, sign * weight, moves);
-            }
-        }
-        any
-    }
-
-    /// Adds what soft modes of a body move rows along their normals.
-    fn add_soft_modes(&mut self, body: usize, deformable: &Deformable) {
-        let (modes, count) = (deformable.mode_count(), self.rows.rows.len());
-        if modes == 0 {
-            return;
-        }
-        for i in 0..count {
-            let row = self.rows.rows[i];
-            let moved = self.modes_of_row(body, deformable, &row);
-            let along = &mut self.solver.modes_along[i * modes..(i + 1) * modes];
-            for (along, moves) in along.iter_mut().zip(&self.solver.mode_moves) {
-                *along = if moved { moves.dot(&row.normal) } else { 0.0 };
-            }
-        }
-        let gains = deformable.mode_gains();
-        for i in 0..count {
-            let first = &self.solver.modes_along[i * modes..(i + 1) * modes];
-            for j in 0..=i {
-                let second = &self.solver.modes_along[j * modes..(j + 1) * modes];
-                let mut entry = 0.0;
-                for ((a, b), gain) in first.iter().zip(second).zip(gains) {
-                    entry += a * b * gain;
-                }
-                self.solver.problem.row_mut(i)[j] += entry;
-                if i != j {
-                    self.solver.problem.row_mut(j)[i] += entry;
-                }
-            }
-        }
-    }
-
     /// Gives the row just added to the friction problem the soft modes of its bodies, and the turns of free
     /// ones.
     fn give_modes(&mut self, row: &Row) {
         let scene = self.scene;
         let mut first = 0;
-        for (b, body) in scene.bodies.iter().enumerate() {
-            let BodyModel::Deforming(model) = &body.model else {
-                if let Some(gives) = self.bodies[b].gives() {
-                    for (sign, _) in row.sides_on(b) {
-                        let moves = gives.moves(&gives.arm(row));
-                        for (k, (moves, gain)) in moves.iter().zip(gives.turn_rad_nm).enumerate() {
-                            self.solver
-                                .friction
-                                .add_turn(first + k, gain, &(moves * sign));
-                        }
-                    }
-                    first += TURNS;
-                }
-                continue;
-            };
-            let deformable = &model.deformable;
-            if deformable.mode_count() > 0 && self.modes_of_row(b, deformable, row) {
-                let moves = self.solver.mode_moves.iter().zip(deformable.mode_gains());
-                for (k, (moves, gain)) in moves.enumerate() {
-                    self.solver.friction.add_mode(first + k, *gain, moves);
-                }
+        for (b, body) in scene.parties().enumerate() {
+            if row.sides_on(b).next().is_some() {
+                body.give_modes(&self.bodies[b], self.rows, row, first, self.solver);
             }
-            first += deformable.mode_count();
+            first += body.mode_count();
         }
         let pair = row.id.pair as usize;
         let dent = &self.solver.indentations[pair];
@@ -575,16 +404,6 @@ impl Balance<'_> {
     }
 }
 
-/// One of its parties is a free rigid body.
-fn is_on_free(scene: &Scene, row: &Row) -> bool {
-    let holder = match row.holder {
-        Holder::Body(other) => Some(other),
-        Holder::Tool(_) => None,
-    };
-    let mut bodies = std::iter::once(row.body).chain(holder);
-    bodies.any(|body| scene.bodies[body as usize].free().is_some())
-}
-
 /// Rows of a tool on bodies that do not give way.
 fn rigid_rows<'a>(
     scene: &'a Scene,
@@ -595,9 +414,4 @@ fn rigid_rows<'a>(
     rows.iter()
         .enumerate()
         .filter(move |(_, row)| row.tool() == Some(tool) && rigid(row))
-}
-
-/// How much a force of one row moves another, in terms of what their places give way.
-fn direction(a: &Row, b: &Row, whole: bool) -> f64 {
-    if whole { 1.0 } else { a.normal.dot(&b.normal) }
 }

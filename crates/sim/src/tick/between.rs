@@ -1,8 +1,9 @@
 //! Bodies against each other, and against themselves.
 
-use super::feet::{MAX_FEET, margin_m, meet, moving, push_between, view};
+use super::feet::{MAX_FEET, margin_m, meet, moving, push_between};
 use super::meeting::Meeting;
 use super::{SceneState, Scratch};
+use crate::party::view;
 use crate::scene::Scene;
 use crate::solve::row_key::RowKey;
 use crate::solve::rows::Approach;

@@ -27,7 +27,7 @@ pub(super) fn meet(scene: &Scene, rows: &mut [Row]) {
         let meeting_m_s = (row.now_m - row.gap_m) / scene.dt_s;
         let meets = restitution > 0.0 && row.gap_m < 0.0 && meeting_m_s > rest_m_s;
         let parting_m_s = meets.then(|| {
-            let falls = |body: &Body| f64::from(body.free().is_some());
+            let falls = |body: &Body| f64::from(!body.is_firm());
             let pull = row.normal.dot(&gravity) * (falls(body) - falls(holder));
             parting(restitution, meeting_m_s, row.now_m, pull, scene.dt_s)
         });
@@ -64,6 +64,6 @@ fn rigid_parties<'s>(scene: &'s Scene, row: &Row) -> Option<[&'s Body; 2]> {
         return None;
     };
     let parties = [row.body, other].map(|body| &scene.bodies[body as usize]);
-    let rigid = |body: &Body| body.is_firm() || body.free().is_some();
-    parties.into_iter().all(rigid).then_some(parties)
+    let soft = parties.iter().any(|body| body.is_soft());
+    (!soft).then_some(parties)
 }

@@ -2,7 +2,7 @@
 
 use super::record::TickOutput;
 use super::{BodyScratch, flags, quality};
-use crate::scene::{BodyModel, Scene};
+use crate::scene::Scene;
 use crate::solve::rows::{Holder, Row};
 use crate::solve::solver::Solver;
 
@@ -17,16 +17,8 @@ pub(super) fn mark(
     output: &mut TickOutput,
 ) {
     let level = output.quality;
-    for (b, body) in scene.bodies.iter().enumerate() {
-        let BodyModel::Deforming(model) = &body.model else {
-            continue;
-        };
-        let fewer = level >= quality::ONE_ITERATION && model.deformable.iterations() > 1;
-        let falls_back = bodies[b]
-            .deforming
-            .as_ref()
-            .is_some_and(|parts| model.deformable.fall_back(&parts.deformable).is_some());
-        degraded[b] = fewer || falls_back;
+    for (b, body) in scene.parties().enumerate() {
+        degraded[b] = body.is_degraded(level, &bodies[b]);
     }
     let count = rows.len();
     loop {

@@ -1,7 +1,7 @@
 //! How far a ball goes into a solid beyond what the solid's net shows, in a tick.
 
 use super::Warm;
-use crate::scene::{BodyModel, Scene};
+use crate::scene::Scene;
 use crate::solve::indentation::{Indentation, Resolution, Touch};
 use crate::solve::rows::RowSet;
 use crate::solve::solver::Solver;
@@ -20,10 +20,9 @@ pub(super) fn touch(
     p: usize,
     radius_m: f64,
 ) {
-    let BodyModel::Deforming(model) = &scene.bodies[scene.pairs[p].body].model else {
-        return;
-    };
-    if model.resolution.is_empty() {
+    let party = scene.party(scene.pairs[p].body);
+    let of_controls = party.resolution();
+    if of_controls.is_empty() {
         return;
     }
     let mut warm = (warm.of_pair(p))
@@ -37,7 +36,7 @@ pub(super) fn touch(
             force_n += old.force_n;
         }
         let (controls, weights) = rows.weights_in(row.on_body);
-        let resolution = Resolution::blend(&model.resolution, controls, weights);
+        let resolution = Resolution::blend(of_controls, controls, weights);
         touching.add(1.0, &resolution, &row.normal);
         if let Some(old) = warm.next_if(|old| old.id == row.id) {
             force_n += old.force_n;

@@ -3,15 +3,16 @@
 
 use super::bounce::is_between_rigid;
 use super::feet::margin_m;
-use super::record::{ContactReport, TickFault, TickOutput, ToolOutput};
+use super::record::{ContactReport, TickOutput, ToolOutput};
 use super::{SceneState, Scratch, ToolState, WarmRow, flags};
 use super::{degraded, grip, load, lying, stick};
+use crate::body::Field;
 use crate::haptics::{LinkPhase, Motion, RenderedForce, Wrench, limit};
-use crate::scene::{BodyModel, Scene};
+use crate::party::{Around, Party as _, torque_limit_nm};
+use crate::scene::Scene;
 use crate::solve::friction::FrictionLaw;
 use crate::solve::rows::Row;
-use palpate_geometry::contact::dispatch::Method;
-use palpate_geometry::math::{Vector3, rotation_by, turn_between};
+use palpate_geometry::math::{Vector3, turn_between};
 
 /// Limits the forces, loads the bodies with their opposites, and writes what the tools get.
 pub(super) fn emit(
@@ -29,47 +30,26 @@ pub(super) fn emit(
                 (tool_state.proxy, tool_state.orientation);
             continue;
         }
-        let coupling = tool.coupling_for(&tool_state.bounds);
-        let ball = tool.shape.ball_radius_m().is_some();
-        let free = scratch.tools[t].free;
-        let (force, torque) = load::wrench(
-            tool,
-            tool_state,
-            t,
-            &scratch.rows.rows,
-            &scratch.solver,
-            &free,
-        );
+        let party = scene.tool_party(t);
         let tool_state = &mut state.tools[t];
+        let parts = &mut scratch.tools[t];
+        let rendered = party.weigh(tool_state, parts, &scratch.rows, &scratch.solver);
+        let still = Around {
+            tools: &[],
+            field: Field::default(),
+            moving: false,
+        };
+        let fault = party.apply(&still, tool_state, parts, &mut None);
         let let_go = tool_state.link.has_let_go();
+        let (force, torque, factor) = (parts.force_n, parts.torque_nm, parts.borne);
         if !let_go {
             (out.contact_force_n, out.contact_torque_nm) = (force, torque);
         }
-        let limit_n = tool_state.link.limit_n;
-        let limit_nm = load::torque_limit_nm(tool, tool_state);
-        let (rendered, factor) = limit(force, torque, limit_n, limit_nm);
-        if !force.iter().chain(&torque).all(|x| x.is_finite()) {
+        if fault.is_some() {
             out.flags |= flags::FAULT;
-            output.fault = Some(TickFault::NotFinite);
+            output.fault = fault;
         }
-        let held = free + force * coupling.compliance_m_n();
-        let turn = torque * coupling.turning_compliance_rad_nm();
-        let turned = rotation_by(&turn) * scratch.tools[t].free_turn;
-        // A saturated coupling lets the device in further than the balance knows: a ball then stays
-        // on the surface as it stands; other shapes see at the next tick how far they are in.
-        let guarded = ball
-            && scene
-                .pairs
-                .iter()
-                .all(|pair| pair.tool() != Some(t) || pair.method == Method::Exact);
-        // A grip holds it where it is whatever the device bears.
-        let whole = (factor == 1.0 || !guarded || tool_state.grip.holds())
-            && held.iter().all(|x| x.is_finite());
-        tool_state.proxy = if whole { held } else { scratch.tools[t].proxy };
-        tool_state.orientation = match coupling.turns() && turn.iter().all(|x| x.is_finite()) {
-            true => turned,
-            false => scratch.tools[t].free_turn,
-        };
+        let limit_nm = torque_limit_nm(tool, tool_state);
         let lifted = turn_between(&tool_state.link.pose.orientation, &tool_state.orientation);
         let device = tool_state.link.pose.position;
         for (i, row) in scratch
@@ -90,7 +70,9 @@ pub(super) fn emit(
                 continue;
             }
             out.contact_count += 1;
-            let depth_m = row.normal.dot(&(held - device + lifted.cross(&row.arm)))
+            let depth_m = row
+                .normal
+                .dot(&(parts.held - device + lifted.cross(&row.arm)))
                 - scratch.solver.gap_after(i);
             let report = report(row, depth_m, push);
             if out.contact.is_none_or(|deepest| depth_m > deepest.depth_m) {
@@ -113,7 +95,6 @@ pub(super) fn emit(
         (out.proxy_position, out.proxy_orientation) = (tool_state.proxy, tool_state.orientation);
         (out.energy_j, out.dissipated_j) =
             (tool_state.port.energy_j(), tool_state.port.dissipated_j());
-        scratch.tools[t].borne = factor;
     }
     for (i, row) in scratch
         .rows
@@ -229,7 +210,7 @@ fn is_near(scene: &Scene, row: &Row, gap_m: f64) -> bool {
             && gap_m < lying::near_m(scene, row);
     };
     let body = &scene.bodies[row.body as usize];
-    let deforms = matches!(body.model, BodyModel::Deforming(_));
+    let deforms = body.is_soft();
     let radius_m = tool.shape.ball_radius_m().filter(|_| deforms);
     (tool.coupling.turns() || deforms && row.id.key.is_foot())
         && matches!(row.law, FrictionLaw::Push { .. })
@@ -280,7 +261,7 @@ fn load_bodies(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) {
             solver,
             ..
         } = scratch;
-        load::push_bodies(&scene.bodies, rows, solver, tools, bodies, i, |_| true);
+        load::push_bodies(scene, rows, solver, tools, bodies, i, 0);
     }
     state.warm.merge(&scratch.rest.rows);
 }

@@ -7,11 +7,11 @@
 
 use super::balance::Balance;
 use super::record::TickOutput;
-use super::{BodyScratch, BodyState};
-use crate::body::{Deformable, DeformableState, FallBack, Field};
-use crate::scene::{BodyModel, Scene};
+use crate::body::FallBack;
+use crate::party::{Begun, BodyScratch, BodyState, Party as _};
+use crate::scene::Scene;
 use crate::solve::friction::FrictionLaw;
-use crate::solve::rows::{Holder, Row, RowSet};
+use crate::solve::rows::{Holder, Row};
 use palpate_geometry::math::Vector3;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -175,36 +175,21 @@ fn compliance(balance: &mut Balance<'_>, row: &Row) -> ComplianceExplained {
             *by_party.entry(party).or_insert(0.0) += m_per_n;
         }
     };
-    if let Some(t) = row.tool() {
-        let coupling = scene.tools[t].coupling_for(&balance.tools[t].bounds);
-        let turning = row.arm.cross(&row.normal).norm_squared();
-        add(
-            format!("tool:{}", scene.tool_id(t)),
-            coupling.compliance_m_n() + turning * coupling.turning_compliance_rad_nm(),
-        );
+    let Balance {
+        tools,
+        states,
+        tool_parts,
+        bodies,
+        rows,
+        solver,
+        ..
+    } = balance;
+    for (t, tool) in scene.tool_parties().enumerate() {
+        let m_per_n = tool.gives(&tools[t], &tool_parts[t], rows, row, solver);
+        add(format!("tool:{}", scene.tool_id(t)), m_per_n);
     }
-    for (b, body) in scene.bodies.iter().enumerate() {
-        let m_per_n = match &body.model {
-            BodyModel::Deforming(model) => {
-                let deformable = &model.deformable;
-                let modes = match balance.modes_of_row(b, deformable, row) {
-                    true => (balance
-                        .solver
-                        .mode_moves
-                        .iter()
-                        .zip(deformable.mode_gains()))
-                    .map(|(moves, gain)| gain * moves.dot(&row.normal).powi(2))
-                    .sum(),
-                    false => 0.0,
-                };
-                modes + surface_compliance(b, deformable, &balance.bodies[b], balance.rows, row)
-            }
-            BodyModel::Rigid => balance.bodies[b].gives().map_or(0.0, |gives| {
-                let turning = gives.arm(row).cross(&row.normal);
-                let alone = gives.shift_m_n + gives.turned(&turning).dot(&turning);
-                alone * row.sides_on(b).map(|(sign, _)| sign).sum::<f64>().powi(2)
-            }),
-        };
+    for (b, body) in scene.parties().enumerate() {
+        let m_per_n = body.gives(&states[b], &bodies[b], rows, row, solver);
         add(format!("body:{}", scene.body_id(b)), m_per_n);
     }
     let dent = &balance.solver.indentations[row.id.pair as usize];
@@ -225,67 +210,15 @@ fn compliance(balance: &mut Balance<'_>, row: &Row) -> ComplianceExplained {
     }
 }
 
-/// What the surface of a deforming body gives way, without its soft modes.
-fn surface_compliance(
-    b: usize,
-    deformable: &Deformable,
-    parts: &BodyScratch,
-    rows: &RowSet,
-    row: &Row,
-) -> f64 {
-    let Some(deforming) = &parts.deforming else {
-        return 0.0;
-    };
-    let mut sum = 0.0;
-    for (sign_a, side_a) in row.sides_on(b) {
-        let (controls_a, weights_a) = rows.weights_in(side_a);
-        for (&a, weight_a) in controls_a.iter().zip(weights_a) {
-            let coordinate = deformable.coordinate_of_control(a as usize);
-            let Some(column) = deformable.compliance_of(&deforming.deformable, coordinate) else {
-                continue;
-            };
-            for (sign_b, side_b) in row.sides_on(b) {
-                let (controls_b, weights_b) = rows.weights_in(side_b);
-                for (&b, weight_b) in controls_b.iter().zip(weights_b) {
-                    let there = deformable.coordinate_of_control(b as usize);
-                    if let Some(unknown) = deformable.unknown(there) {
-                        sum += sign_a * sign_b * weight_a * weight_b * column[unknown];
-                    }
-                }
-            }
-        }
-    }
-    sum
-}
-
-/// A deforming body at the beginning of its step, and how the step is taken.
-pub(super) struct Step {
-    body: usize,
-    before: DeformableState,
-    field: Field,
-    matrix: Option<&'static str>,
-    fall_back: Option<FallBack>,
-}
-
-/// The steps of a tick whose contact has been solved.
-pub(super) fn steps(scene: &Scene, states: &[BodyState], parts: &[BodyScratch]) -> Vec<Step> {
-    let deforming = (0..scene.bodies.len()).filter_map(|body| {
-        let deformable = scene.deformable(body)?;
-        let parts = parts[body].deforming.as_ref()?;
-        let fall_back = deformable.fall_back(&parts.deformable);
-        Some(Step {
-            body,
-            before: states[body].deformable.clone()?,
-            field: deformable.field(&parts.deformable),
-            matrix: match fall_back {
-                Some(FallBack::Firmer) => Some("firmer"),
-                Some(FallBack::Bounding) => Some("bounding"),
-                _ => deformable.step_matrix(),
-            },
-            fall_back,
-        })
-    });
-    deforming.collect()
+/// The steps of a tick whose contact has been solved, before they are taken.
+pub(super) fn steps(
+    scene: &Scene,
+    states: &[BodyState],
+    parts: &[BodyScratch],
+) -> Vec<(usize, Begun)> {
+    let bodies = scene.parties().enumerate();
+    let begun = bodies.filter_map(|(b, body)| Some((b, body.begun(&states[b], &parts[b])?)));
+    begun.collect()
 }
 
 /// How those steps ended.
@@ -293,19 +226,14 @@ pub(super) fn of_bodies(
     scene: &Scene,
     states: &[BodyState],
     moved: bool,
-    steps: Vec<Step>,
+    steps: Vec<(usize, Begun)>,
 ) -> Vec<BodyExplained> {
-    let norm = |forces: &[Vector3]| forces.iter().map(Vector3::norm_squared).sum::<f64>().sqrt();
-    let ended = steps.into_iter().filter_map(|step| {
-        let body = &states[step.body];
-        let (deformable, after) = (scene.deformable(step.body)?, body.deformable.as_ref()?);
-        // Of several ticks a step, the last ends it.
-        let ends = moved && body.phase == 0;
-        let residual = ends.then(|| deformable.residual(&step.before, after, step.field));
+    let ended = steps.into_iter().filter_map(|(b, step)| {
+        let ended = scene.party(b).balance(&step, &states[b], moved)?;
         Some(BodyExplained {
-            body: scene.body_id(step.body).to_owned(),
-            residual_n: residual.flatten().map(|forces| norm(&forces)),
-            contact_n: norm(&after.contact_n),
+            body: scene.body_id(b).to_owned(),
+            residual_n: ended.residual_n,
+            contact_n: ended.contact_n,
             matrix: step.matrix,
             fall_back: step.fall_back,
         })

@@ -1,8 +1,8 @@
 //! From contacts to rows: which parties hold them, and how far free motion takes each.
 
 use super::BodyScratch;
-use crate::party::RigidStep;
-use crate::scene::{Body, BodyModel, Pair};
+use crate::party::{RigidStep, view};
+use crate::scene::{Body, Pair};
 use crate::solve::friction::FrictionLaw;
 use crate::solve::row_key::{RowId, RowKey};
 use crate::solve::rows::{DeformingView, Grip, Row, RowSet, SampleInTouch};
@@ -19,18 +19,6 @@ pub(super) fn margin_m(radius_m: f64, size_m: f64) -> f64 {
         0.02 * radius_m
     } else {
         1e-4 * size_m
-    }
-}
-
-/// A body as rows see it, when it deforms.
-pub(super) fn view<'a>(body: &'a Body, parts: &'a BodyScratch) -> Option<DeformingView<'a>> {
-    match (&body.model, &parts.deforming) {
-        (BodyModel::Deforming(model), Some(deforming)) => Some(DeformingView {
-            surface: &parts.surface,
-            predicted: &deforming.predicted_net,
-            samples: &model.samples,
-        }),
-        _ => None,
     }
 }
 

@@ -9,13 +9,14 @@
 //! ```
 
 use super::between::{bodies, itself};
-use super::feet::{MAX_FEET, Way, margin_m, meet, moving, push_foot, push_sample, view};
+use super::feet::{MAX_FEET, Way, margin_m, meet, moving, push_foot, push_sample};
 use super::follow::{Follow, Treader, push_feet};
 use super::manifold::{Stance, push_manifold};
 use super::{PairState, SceneState, Scratch};
 use super::{bounce, dent, grip, rest, stick};
 use crate::haptics::LinkPhase;
-use crate::scene::{BodyModel, Pair, Scene};
+use crate::party::{Around, view};
+use crate::scene::{Pair, Scene};
 use crate::solve::indentation::Touch;
 use crate::solve::proxy::BallContact;
 use crate::solve::row_key::RowKey;
@@ -49,17 +50,6 @@ const SAME: f64 = 1e-6;
 pub(super) fn gather(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, moving: bool) {
     scratch.rows.clear();
     scratch.solver.touches.fill(Touch::default());
-    for (t, tool) in scene.tools.iter().enumerate() {
-        let link = &state.tools[t].link;
-        let coupling = tool.coupling_for(&state.tools[t].bounds);
-        let free =
-            coupling.free_position(&link.pose.position, &link.velocity(), &state.tools[t].proxy);
-        scratch.tools[t].free = free;
-        scratch.tools[t].proxy = free;
-        let (device, rate) = (&link.pose.orientation, &link.angular_velocity());
-        scratch.tools[t].free_turn =
-            coupling.free_orientation(device, rate, &state.tools[t].orientation);
-    }
     super::near::find(
         scene,
         &state.tools,
@@ -68,7 +58,19 @@ pub(super) fn gather(scene: &Scene, state: &mut SceneState, scratch: &mut Scratc
         &mut scratch.near,
     );
     grip::update(scene, &mut state.tools, &scratch.bodies);
-    rest::settle(scene, state, scratch, moving);
+    let around = Around {
+        tools: &state.tools,
+        field: scene.field(&state.frame),
+        moving,
+    };
+    rest::settle(
+        scene,
+        &around,
+        &mut state.bodies,
+        &mut scratch.bodies,
+        &scratch.near,
+        &mut scratch.rest,
+    );
     scratch.rest.rows.clear();
     for (p, pair) in scene.pairs.iter().enumerate() {
         scratch.rows.begin_pair();
@@ -392,7 +394,7 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
         // Nothing is within reach: that far it may go.
         anchor.go(way, 0.99 * reach.margin_m / length);
     }
-    if matches!(body.model, BodyModel::Rigid) && !gripped {
+    if !body.is_soft() && !gripped {
         // Normals turn while the tool slides: look again from where these contacts let it go.
         let way = free.place - anchor.place;
         let mut slid = slide(scratch_pair.set.contacts(), way);

@@ -1,10 +1,11 @@
 //! Grips: made where a tool touches while its button is down, held as rows, let go.
 
-use super::feet::{margin_m, push_anchor, view};
+use super::feet::{margin_m, push_anchor};
 use super::record::ToolOutput;
 use super::{BodyScratch, ToolState, flags};
 use crate::haptics::LinkPhase;
 use crate::party::ToolScratch;
+use crate::party::view;
 use crate::scene::Scene;
 use crate::solve::friction::FrictionLaw;
 use crate::solve::grip::{GRAB, GripState, MAX_ANCHORS, apart_m, strength};

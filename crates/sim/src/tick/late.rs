@@ -7,7 +7,8 @@
 //! ask: there the tick that takes a step over waits for it.
 
 use super::{RunState, SceneState, Scratch};
-use crate::scene::{BodyModel, Scene};
+use crate::party::BodyParty;
+use crate::scene::Scene;
 
 /// The first body whose step the next tick would wait for, if there is one: it is being done elsewhere,
 /// is due, and is neither done nor put off.
@@ -21,14 +22,8 @@ pub fn late_step(scene: &Scene, state: &SceneState, scratch: &mut Scratch) -> Op
     if !moves {
         return None;
     }
-    let mut bodies = scene.bodies.iter().zip(&state.bodies).enumerate();
-    let late = bodies.find(|(b, (body, state))| {
-        let BodyModel::Deforming(model) = &body.model else {
-            return false;
-        };
-        // A step begins in one tick and is taken over in a later one: both may have to wait.
-        let due = state.phase == 0 || state.phase + 1 >= model.every;
-        model.every > 1 && due && !state.put_off && !pipeline.is_ready(*b)
-    });
-    late.map(|(b, _)| b as u32)
+    let late =
+        |(b, body): &(usize, BodyParty<'_>)| body.is_late(&state.bodies[*b], pipeline.as_mut());
+    let mut bodies = scene.parties().enumerate();
+    bodies.find(late).map(|(b, _)| b as u32)
 }

@@ -42,12 +42,12 @@ mod stick;
 mod warm;
 
 pub use crate::party::{
-    BodyScratch, BodyState, Course, Flight, RigidMotion, RigidState, Sent, ToolState,
+    BodyScratch, BodyState, Course, Flight, Pipeline, RigidMotion, RigidState, Sent, ToolState,
 };
 pub use frame::FrameState;
 pub use late::late_step;
 pub use scratch::Scratch;
-pub use state::{PairState, Pipeline, RunState, SceneState};
+pub use state::{PairState, RunState, SceneState};
 pub(crate) use step::depths_at_start;
 pub use step::{apply, deform, hash, render, restore, step, step_explained, step_into};
 pub use warm::{Warm, WarmRow};

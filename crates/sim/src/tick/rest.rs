@@ -8,42 +8,38 @@
 
 use super::between::bodies;
 use super::record::ContactReport;
+use super::resting::Rest;
+use super::scratch::Near;
 use super::{SceneState, Scratch, WarmRow};
 use crate::haptics::LinkPhase;
-use crate::party::rigid;
-use crate::scene::{Body, BodyModel, Pair, Scene};
+use crate::party::{Around, BodyScratch, BodyState};
+use crate::scene::{Pair, Scene};
 use crate::solve::rows::Holder;
 
-/// Such a body can be left alone.
-fn may_rest(body: &Body) -> bool {
-    match &body.model {
-        BodyModel::Deforming(model) => model.every == 1,
-        BodyModel::Rigid => body.free().is_some(),
-    }
-}
-
 /// Settles which bodies are left alone in this tick. Pairs that can touch are marked.
-pub(super) fn settle(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, moving: bool) {
-    let calm =
-        |state: &SceneState, b: usize| state.bodies[b].lies_calm() && may_rest(&scene.bodies[b]);
-    if !(0..scene.bodies.len()).any(|b| calm(state, b)) {
+pub(super) fn settle(
+    scene: &Scene,
+    around: &Around<'_>,
+    bodies: &mut [BodyState],
+    parts: &mut [BodyScratch],
+    near: &Near,
+    rest: &mut Rest,
+) {
+    let calm = |bodies: &[BodyState], b: usize| bodies[b].lies_calm() && scene.party(b).may_rest();
+    if !(0..bodies.len()).any(|b| calm(bodies, b)) {
         return;
     }
-    let Scratch {
-        near, rest, bodies, ..
-    } = scratch;
     let awake = &mut rest.awake;
     for (b, body) in scene.bodies.iter().enumerate() {
-        awake[b] = match &body.model {
-            BodyModel::Rigid if body.free().is_some() => !calm(state, b),
-            BodyModel::Rigid => state.bodies[b].moved_m > 0.0 || bodies[b].step.most_m > 0.0,
-            BodyModel::Deforming(_) => !calm(state, b),
+        awake[b] = match body.is_firm() {
+            true => moves(&bodies[b], &parts[b]),
+            false => !calm(bodies, b),
         };
     }
     let pairs = || (scene.pairs.iter().enumerate()).filter(|&(p, _)| near.is_near(p));
     for (_, pair) in pairs() {
         if let Holder::Tool(t) = pair.holder
-            && state.tools[t as usize].link.phase != LinkPhase::Absent
+            && around.tools[t as usize].link.phase != LinkPhase::Absent
         {
             awake[pair.body] = true;
         }
@@ -65,35 +61,17 @@ pub(super) fn settle(scene: &Scene, state: &mut SceneState, scratch: &mut Scratc
             break;
         }
     }
-    for b in 0..scene.bodies.len() {
-        let leave = calm(state, b) && !scratch.rest.awake[b];
-        if let Some(flight) = state.bodies[b]
-            .rigid
-            .as_mut()
-            .and_then(|body| body.flight_mut())
-        {
-            if flight.is_left_alone() != leave {
-                flight.leave_alone(leave);
-                rigid::aim(
-                    scene,
-                    &scene.bodies[b],
-                    &state.bodies[b],
-                    &state.tools,
-                    &mut scratch.bodies[b],
-                    moving,
-                );
-            }
-            continue;
+    for b in 0..bodies.len() {
+        let leave = calm(bodies, b) && !awake[b];
+        if bodies[b].is_left_alone() != leave {
+            (scene.party(b)).leave_alone(around, &mut bodies[b], &mut parts[b], leave);
         }
-        let Some(deformable) = &mut state.bodies[b].deformable else {
-            continue;
-        };
-        if deformable.is_left_alone() == leave {
-            continue;
-        }
-        deformable.leave_alone(leave);
-        scene.prepare_body(b, state, scratch, false);
     }
+}
+
+/// What gives way to nothing has moved or will.
+fn moves(state: &BodyState, parts: &BodyScratch) -> bool {
+    state.moved_m > 0.0 || parts.step.most_m > 0.0
 }
 
 /// Both bodies of a pair are left alone, or one and the other is rigid and stands still.

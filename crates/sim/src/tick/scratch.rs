@@ -1,11 +1,9 @@
 //! Buffers of a step, made anew from the state.
 
 use super::resting::Rest;
-use super::state::{Pipeline, SceneState};
-use crate::party::{
-    BodyScratch, DeformingScratch, RigidScratch, RigidStep, ToolScratch, box_of, rigid,
-};
-use crate::scene::{BodyModel, Pair, Scene};
+use super::state::SceneState;
+use crate::party::{BodyScratch, Party as _, Pipeline, ToolScratch};
+use crate::scene::{Pair, Scene};
 use crate::solve::complementarity::Complementarity;
 use crate::solve::delassus::Delassus;
 use crate::solve::friction::FrictionProblem;
@@ -137,22 +135,6 @@ impl Scene {
             .map(|body| body.surface.net().points().len())
             .max()
             .unwrap_or(0);
-        let bodies = self.bodies.iter().map(|body| BodyScratch {
-            surface: body.surface.clone(),
-            solver: ClosestSolver::new(&body.surface),
-            bounds: box_of(body.surface.net().points()),
-            step: RigidStep::NONE,
-            rigid: (body.mover.as_ref())
-                .map(|mover| RigidScratch::new(mover, body.surface.net().points())),
-            deforming: match &body.model {
-                BodyModel::Rigid => None,
-                BodyModel::Deforming(model) => Some(DeformingScratch {
-                    deformable: model.deformable.scratch(),
-                    predicted_net: body.surface.net().points().to_vec(),
-                    change: vec![Vector3::zeros(); body.surface.net().points().len()],
-                }),
-            },
-        });
         let frictional = self.pairs.iter().any(|pair| pair.friction.is_some());
         let modes = deformables().map(|body| body.mode_count());
         let (soft_modes, most_modes) = modes.fold((0, 0), |(sum, most), m| (sum + m, most.max(m)));
@@ -166,8 +148,8 @@ impl Scene {
             0
         };
         let mut scratch = Scratch {
-            tools: vec![ToolScratch::default(); self.tools.len()],
-            bodies: bodies.collect(),
+            tools: self.tool_parties().map(|tool| tool.scratch()).collect(),
+            bodies: self.parties().map(|body| body.scratch()).collect(),
             pairs: self.pairs.iter().map(|pair| self.narrow(pair)).collect(),
             near: Near::new(self),
             rest: Rest::new(self),
@@ -195,9 +177,7 @@ impl Scene {
             pipeline: None,
             start: self.initial_state(),
         };
-        for body in 0..self.body_count() {
-            self.prepare_body(body, state, &mut scratch, false);
-        }
+        self.prepare_all(state, &mut scratch.bodies);
         scratch
     }
 
@@ -205,75 +185,31 @@ impl Scene {
     /// they compute from here on has the bits that new ones would compute. Allocates nothing.
     pub(super) fn reuse_scratch(&self, state: &SceneState, scratch: &mut Scratch) {
         scratch.rest.forget();
-        for body in 0..self.body_count() {
-            let deforming = scratch.bodies[body].deforming.as_mut();
-            if let (Some(deformable), Some(deforming)) = (self.deformable(body), deforming) {
-                deformable.forget(&mut deforming.deformable);
-            }
-            self.prepare_body(body, state, scratch, false);
+        for (body, parts) in self.parties().zip(&mut scratch.bodies) {
+            body.forget(parts);
         }
+        self.prepare_all(state, &mut scratch.bodies);
         // Steps that were begun elsewhere belong to the state before.
         if let Some(pipeline) = &mut scratch.pipeline {
             pipeline.cancel();
         }
     }
 
-    /// Cells of a body that the last pass held back, because their tangent exceeded what the step follows.
-    pub fn limited_cells(&self, body: usize, scratch: &Scratch) -> u32 {
-        let deforming = scratch.bodies[body].deforming.as_ref();
-        let cells = self.deformable(body).zip(deforming);
-        cells.map_or(0, |(body, deforming)| body.limited(&deforming.deformable))
+    fn prepare_all(&self, state: &SceneState, bodies: &mut [BodyScratch]) {
+        let field = self.field(&state.frame);
+        for (b, body) in self.parties().enumerate() {
+            body.prepare(field, &state.bodies[b], &mut bodies[b], false);
+        }
     }
 
-    /// Brings a body's buffers in line with its state: surface now, free motion of the next step
-    /// (unless that is there already) and its net.
-    pub fn prepare_body(
-        &self,
-        body: usize,
-        state: &SceneState,
-        scratch: &mut Scratch,
-        predicted: bool,
-    ) {
-        if let (Some(mover), Some(rigid)) = (&self.bodies[body].mover, &state.bodies[body].rigid) {
-            let rest = self.bodies[body].surface.net().points();
-            rigid::prepare(mover, rest, rigid, &mut scratch.bodies[body]);
-        }
-        let BodyModel::Deforming(model) = &self.bodies[body].model else {
-            return;
-        };
-        let BodyScratch {
-            surface,
-            solver,
-            bounds,
-            deforming,
-            ..
-        } = &mut scratch.bodies[body];
-        let (Some(deforming), Some(deformable)) = (deforming, &state.bodies[body].deformable)
-        else {
-            return;
-        };
-        model
-            .deformable
-            .set_field(&mut deforming.deformable, self.field(&state.frame));
-        if !predicted {
-            model
-                .deformable
-                .predict(deformable, &mut deforming.deformable);
-        } else {
-            model
-                .deformable
-                .follow(deformable, &mut deforming.deformable);
-        }
-        for (control, point) in surface.net_mut().points_mut().iter_mut().enumerate() {
-            let node = model.deformable.coordinate_of_control(control);
-            *point = deformable.positions[node];
-            deforming.predicted_net[control] = deforming.deformable.predicted[node];
-        }
-        solver.net_changed();
-        let (now, then) = (
-            box_of(surface.net().points()),
-            box_of(&deforming.predicted_net),
-        );
-        *bounds = (now.0.inf(&then.0), now.1.sup(&then.1));
+    /// Brings a body's buffers in line with its state: surface now, free motion of the next step and its net.
+    pub fn prepare_body(&self, body: usize, state: &SceneState, scratch: &mut Scratch) {
+        let field = self.field(&state.frame);
+        (self.party(body)).prepare(field, &state.bodies[body], &mut scratch.bodies[body], false);
+    }
+
+    /// Cells of a body that the last pass held back, because their tangent exceeded what the step follows.
+    pub fn limited_cells(&self, body: usize, scratch: &Scratch) -> u32 {
+        self.party(body).limited_cells(&scratch.bodies[body])
     }
 }

@@ -3,13 +3,11 @@
 use super::frame::FrameState;
 use super::quality;
 use super::warm::Warm;
-use crate::body::{DeformableState, Field};
-use crate::haptics::{DeviceBounds, Link, Port};
-use crate::party::{BodyState, RigidState, ToolState};
-use crate::scene::{BodyModel, Scene};
+use crate::party::{BodyState, Party as _, ToolState};
+use crate::scene::Scene;
 use crate::solve::grip::{GRAB, GripState};
 use crate::solve::proxy::ProxyState;
-use palpate_geometry::math::{Coded, Point3, StateSize, Vector3, state_size};
+use palpate_geometry::math::{Coded, Point3, StateSize, state_size};
 use palpate_geometry::stateful;
 use palpate_geometry::surface::WarmFoot;
 
@@ -52,32 +50,6 @@ pub struct SceneState {
     pub warm: Warm,
 }
 
-/// Steps of bodies on other threads: begun with the loads of one tick, taken over some ticks later,
-/// always the same number but for those in which they were put off.
-pub trait Pipeline: Send + std::fmt::Debug {
-    /// Begins the step of a body: `predicted` is its free motion, `loads` are its contact forces.
-    fn start(
-        &mut self,
-        body: usize,
-        field: Field,
-        state: &DeformableState,
-        predicted: &[Point3],
-        loads: &[Vector3],
-    );
-    /// True when neither beginning a step nor taking over the one that was begun would wait.
-    fn is_ready(&mut self, body: usize) -> bool;
-    /// Waits for that step: the state after it, and the free motion of the next. False if none was
-    /// begun.
-    fn finish(
-        &mut self,
-        body: usize,
-        state: &mut DeformableState,
-        predicted: &mut [Point3],
-    ) -> bool;
-    /// Forgets all steps that were begun.
-    fn cancel(&mut self);
-}
-
 /// State of a pair.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PairState {
@@ -91,58 +63,13 @@ pub struct PairState {
 impl Scene {
     /// The state at the start.
     pub fn initial_state(&self) -> SceneState {
-        let bodies = self.bodies.iter().map(|body| match &body.model {
-            BodyModel::Rigid => BodyState {
-                deformable: None,
-                revision: 0,
-                moved_m: 0.0,
-                phase: 0,
-                put_off: false,
-                loads: Vec::new(),
-                rigid: body.mover.as_ref().map(RigidState::start),
-            },
-            BodyModel::Deforming(model) => BodyState {
-                deformable: Some(model.deformable.rest_state()),
-                revision: 0,
-                moved_m: 0.0,
-                phase: 0,
-                put_off: false,
-                loads: vec![
-                    Vector3::zeros();
-                    if model.every > 1 {
-                        model.deformable.coordinate_count()
-                    } else {
-                        0
-                    }
-                ],
-                rigid: None,
-            },
-        });
-        let tools = self.tools.iter().map(|tool| {
-            let mut link = Link::default();
-            (link.pose.position, link.pose.orientation) = tool.start;
-            let (proxy, orientation) = tool.start;
-            let (port, bounds, grip) = (
-                Port::default(),
-                DeviceBounds::default(),
-                GripState::default(),
-            );
-            ToolState {
-                link,
-                proxy,
-                orientation,
-                port,
-                bounds,
-                grip,
-            }
-        });
         SceneState {
             tick: 0,
             run: RunState::Running,
             quality: 0,
             faulted: false,
-            bodies: bodies.collect(),
-            tools: tools.collect(),
+            bodies: self.parties().map(|party| party.start()).collect(),
+            tools: self.tool_parties().map(|party| party.start()).collect(),
             pairs: vec![PairState::default(); self.pairs.len()],
             frame: FrameState::default(),
             carried: self.frame.is_some(),
@@ -196,24 +123,7 @@ impl Clone for SceneState {
 impl SceneState {
     /// Net of a body now, u-major, m; `out` is as long as the net of [`Scene::rest_surface`].
     pub fn copy_net(&self, scene: &Scene, body: usize, out: &mut [Point3]) {
-        match (&scene.bodies[body].model, &self.bodies[body].deformable) {
-            (BodyModel::Deforming(model), Some(deformable)) => {
-                for (control, point) in out.iter_mut().enumerate() {
-                    *point = deformable.positions[model.deformable.coordinate_of_control(control)];
-                }
-            }
-            _ => {
-                let rest = scene.bodies[body].surface.net().points();
-                match (&scene.bodies[body].mover, &self.bodies[body].rigid) {
-                    (Some(mover), Some(rigid)) => {
-                        for (point, rest) in out.iter_mut().zip(rest) {
-                            *point = rigid.carry(mover, rest);
-                        }
-                    }
-                    _ => out.copy_from_slice(rest),
-                }
-            }
-        }
+        scene.party(body).net(&self.bodies[body], out);
     }
 
     /// Coordinates of a deforming body now, m: of its nodes, by [`Deformable::nodes`](crate::body::Deformable::nodes).

@@ -5,7 +5,7 @@ use super::explain::{self, Explanation};
 use super::record::{Command, TickInput, TickOutput};
 use super::{PairState, RunState, SceneState, Scratch, flags, quality};
 use super::{admit, emit, gather, iterate, motion};
-use crate::party::rigid;
+use crate::party::{Around, Party as _};
 use crate::scene::Scene;
 use palpate_geometry::math::{SavedState, StateError, state_hash};
 
@@ -101,13 +101,12 @@ pub fn render(
     let wanted = state.run == RunState::Running;
     let SceneState { tools, pairs, .. } = state;
     admit::admit(scene, tools, pairs, input, wanted, output);
-    aim(scene, state, scratch, moving);
+    predict(scene, state, scratch, moving);
     gather::gather(scene, state, scratch, moving);
     balance(scene, state, scratch).solve();
     let Scratch { rows, solver, .. } = &*scratch;
     admit::release(scene, &mut state.tools, &rows.rows, solver, wanted, output);
-    let states = &state.bodies;
-    iterate::iterate(&mut balance(scene, state, scratch), states);
+    iterate::iterate(&mut balance(scene, state, scratch));
     emit::emit(scene, state, scratch, output);
     if std::mem::take(&mut state.faulted) {
         let tools = output.tools.as_mut_slice().iter_mut();
@@ -115,11 +114,18 @@ pub fn render(
     }
 }
 
-/// Finds where each rigid body goes in this tick.
-fn aim(scene: &Scene, state: &SceneState, scratch: &mut Scratch, moving: bool) {
-    let bodies = scene.bodies.iter().zip(&state.bodies);
-    for ((body, state_of), parts) in bodies.zip(&mut scratch.bodies) {
-        rigid::aim(scene, body, state_of, &state.tools, parts, moving);
+/// Free motion of all parties.
+fn predict(scene: &Scene, state: &SceneState, scratch: &mut Scratch, moving: bool) {
+    let around = Around {
+        tools: &state.tools,
+        field: scene.field(&state.frame),
+        moving,
+    };
+    for (b, body) in scene.parties().enumerate() {
+        body.predict(&around, &state.bodies[b], &mut scratch.bodies[b]);
+    }
+    for (t, tool) in scene.tool_parties().enumerate() {
+        tool.predict(&around, &state.tools[t], &mut scratch.tools[t]);
     }
 }
 
@@ -127,6 +133,7 @@ fn balance<'a>(scene: &'a Scene, state: &'a SceneState, scratch: &'a mut Scratch
     Balance {
         scene,
         tools: &state.tools,
+        states: &state.bodies,
         warm: &state.warm,
         quality: state.quality,
         tool_parts: &mut scratch.tools,
@@ -140,7 +147,7 @@ fn balance<'a>(scene: &'a Scene, state: &'a SceneState, scratch: &'a mut Scratch
 pub(crate) fn depths_at_start(scene: &Scene) -> Vec<f64> {
     let mut state = scene.initial_state();
     let mut scratch = scene.scratch(&state);
-    aim(scene, &state, &mut scratch, true);
+    predict(scene, &state, &mut scratch, true);
     gather::gather(scene, &mut state, &mut scratch, true);
     let depth = |pair: &PairState| pair.proxy.deepest_m;
     state.pairs.iter().map(depth).collect()
@@ -154,8 +161,10 @@ pub fn deform(
     output: &mut TickOutput,
 ) {
     if !output.moving {
-        motion::stand_still(scene, state, scratch);
-    } else if let Some(fault) = motion::advance(scene, state, scratch) {
+        motion::stand_still(scene, &state.frame, &state.bodies, &mut scratch.bodies);
+    } else if let Some(fault) =
+        motion::advance(scene, state, &mut scratch.bodies, &mut scratch.pipeline)
+    {
         output.fault = Some(fault);
         // The forces of this tick are out already.
         state.faulted = true;

@@ -4,9 +4,8 @@
 //! is only the place at which the contact problem is made linear, its forces come from
 //! [`super::balance`]. And each row that sticks remembers where.
 
-use super::feet::view;
 use super::{BodyScratch, Warm, WarmRow};
-use crate::party::ToolScratch;
+use crate::party::{ToolScratch, view};
 use crate::scene::{Body, Pair, Scene};
 use crate::solve::friction::{FrictionLaw, Stick};
 use crate::solve::proxy::ProxyState;

@@ -1,0 +1,217 @@
+//! What a party of contact does in the stages of a tick.
+
+use super::flight::RigidMotion;
+use super::pipeline::Pipeline;
+use super::tool::ToolState;
+use crate::body::{DeformableState, FallBack, Field};
+use crate::solve::indentation::Resolution;
+use crate::solve::rows::{Row, RowSet};
+use crate::solve::solver::Solver;
+use crate::tick::record::TickFault;
+use palpate_geometry::math::{Point3, Vector3};
+
+/// What a tick is to all parties.
+#[derive(Clone, Copy)]
+pub(crate) struct Around<'a> {
+    /// Tools may take bodies along.
+    pub tools: &'a [ToolState],
+    /// What free points feel.
+    pub field: Field,
+    /// Bodies move in this tick.
+    pub moving: bool,
+}
+
+/// What takes part in contact. The stages of a tick call these in their order, and name no kind of party.
+pub(crate) trait Party {
+    /// What a replay restores of it.
+    type State;
+    /// Its buffers, made anew from the state.
+    type Scratch;
+
+    /// The state at the start.
+    fn start(&self) -> Self::State;
+
+    /// Buffers for it.
+    fn scratch(&self) -> Self::Scratch;
+
+    /// Brings buffers in line with a state: where it is, and its next free motion unless that is there already.
+    fn prepare(
+        &self,
+        _field: Field,
+        _state: &Self::State,
+        _scratch: &mut Self::Scratch,
+        _predicted: bool,
+    ) {
+    }
+
+    /// What the buffers remember of ticks before does not count any more.
+    fn forget(&self, _scratch: &mut Self::Scratch) {}
+
+    /// Predict: free motion of the tick that begins, without contact.
+    fn predict(&self, _around: &Around<'_>, _state: &Self::State, _scratch: &mut Self::Scratch) {}
+
+    /// Solve: adds to the matrix how forces on its rows move them. `whole`: forces have three components, and what
+    /// only their normals would see is left to modes.
+    fn respond(
+        &self,
+        _state: &Self::State,
+        _scratch: &Self::Scratch,
+        _rows: &RowSet,
+        _whole: bool,
+        _solver: &mut Solver,
+    ) {
+    }
+
+    /// Modes that stand beside the matrix where forces have three components.
+    fn mode_count(&self) -> usize {
+        0
+    }
+
+    /// Gives the row just added to the friction problem those modes, numbered from `first`.
+    fn give_modes(
+        &self,
+        _scratch: &Self::Scratch,
+        _rows: &RowSet,
+        _row: &Row,
+        _first: usize,
+        _solver: &mut Solver,
+    ) {
+    }
+
+    /// How far it gives way along a row's normal under a force of that row alone, m/N: from the party alone, beside
+    /// the matrix.
+    fn gives(
+        &self,
+        _state: &Self::State,
+        _scratch: &Self::Scratch,
+        _rows: &RowSet,
+        _row: &Row,
+        _solver: &mut Solver,
+    ) -> f64 {
+        0.0
+    }
+
+    /// Sweeps over the rows that it asks for, if more than `so_far`; `touched`: by one of them.
+    fn sweeps(&self, _so_far: usize, _touched: &dyn Fn() -> bool) -> usize {
+        0
+    }
+
+    /// Iterations of its step.
+    fn iterations(&self) -> usize {
+        1
+    }
+
+    /// Apply: takes the force of a row on the row's holder (N), if its step has more iterations than `iteration`.
+    fn take(
+        &self,
+        _scratch: &mut Self::Scratch,
+        _rows: &RowSet,
+        _row: &Row,
+        _push_n: Vector3,
+        _iteration: usize,
+    ) {
+    }
+
+    /// One more iteration of its step under what it took; its rows follow.
+    fn correct(&self, _state: &Self::State, _scratch: &mut Self::Scratch, _rows: &mut RowSet) {}
+
+    /// Moves it under what it took. Where that led beyond reason it is set back, and says so.
+    fn apply(
+        &self,
+        around: &Around<'_>,
+        state: &mut Self::State,
+        scratch: &mut Self::Scratch,
+        pipeline: &mut Option<Box<dyn Pipeline>>,
+    ) -> Option<TickFault>;
+
+    /// A tick in which bodies do not move: what pressed it is forgotten.
+    fn stand_still(&self, _field: Field, _state: &Self::State, _scratch: &mut Self::Scratch) {}
+
+    /// It can be left alone when it is calm.
+    fn may_rest(&self) -> bool {
+        false
+    }
+
+    /// Leaves it alone, or takes it up again.
+    fn leave_alone(
+        &self,
+        _around: &Around<'_>,
+        _state: &mut Self::State,
+        _scratch: &mut Self::Scratch,
+        _leave: bool,
+    ) {
+    }
+
+    /// Its net now, m.
+    fn net(&self, state: &Self::State, out: &mut [Point3]);
+
+    /// A point of it at rest, where it is now, m; of what deforms, as it was.
+    fn carry(&self, _state: &Self::State, rest: &Point3) -> Point3 {
+        *rest
+    }
+
+    /// Greatest speed of any of its points, m/s.
+    fn speed_m_s(&self, _state: &Self::State) -> f64 {
+        0.0
+    }
+
+    /// Its motion, momentum and energy, when it moves as a whole.
+    fn motion(&self, _state: &Self::State) -> Option<RigidMotion> {
+        None
+    }
+
+    /// By control point, how finely it resolves what presses it; empty where that is exact.
+    fn resolution(&self) -> &[Resolution] {
+        &[]
+    }
+
+    /// Its step does less than the scene asks for at this level of quality.
+    fn is_degraded(&self, _level: u8, _scratch: &Self::Scratch) -> bool {
+        false
+    }
+
+    /// Cells that the last pass held back, because their tangent exceeded what the step follows.
+    fn limited_cells(&self, _scratch: &Self::Scratch) -> u32 {
+        0
+    }
+
+    /// Its step before it is taken, when it solves an equation of its own.
+    fn begun(&self, _state: &Self::State, _scratch: &Self::Scratch) -> Option<Begun> {
+        None
+    }
+
+    /// What that step left of its equation; `moved`: bodies moved in the tick.
+    fn balance(&self, _begun: &Begun, _state: &Self::State, _moved: bool) -> Option<Ended> {
+        None
+    }
+
+    /// Its step is being done elsewhere, is due, and is neither done nor put off.
+    fn is_late(&self, _state: &Self::State, _pipeline: &mut dyn Pipeline) -> bool {
+        false
+    }
+}
+
+/// A body's step before it is taken.
+pub(crate) struct Begun {
+    /// The state before.
+    pub before: DeformableState,
+    /// What free points feel.
+    pub field: Field,
+    /// Name of its matrix, if it has one.
+    pub matrix: Option<&'static str>,
+    /// The fall-back that acts, if one does.
+    pub fall_back: Option<FallBack>,
+}
+
+/// How it ended.
+pub(crate) struct Ended {
+    /// Norm of what is left of its equation, N; none where the tick ended no step.
+    pub residual_n: Option<f64>,
+    /// Norm of the contact forces, N.
+    pub contact_n: f64,
+}
+
+/// How much a force of one row moves another, in terms of what their places give way.
+pub(super) fn direction(a: &Row, b: &Row, whole: bool) -> f64 {
+    if whole { 1.0 } else { a.normal.dot(&b.normal) }
+}

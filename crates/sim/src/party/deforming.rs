@@ -1,0 +1,506 @@
+//! A body that deforms: its surface gives way as its implicit step does.
+
+use super::body::{BodyScratch, BodyState, DeformingScratch, Of, box_of};
+use super::contract::{Around, Begun, Ended, Party, direction};
+use super::pipeline::Pipeline;
+use crate::body::{DeformableState, FallBack, Field};
+use crate::scene::{Body, DeformingBody};
+use crate::solve::indentation::Resolution;
+use crate::solve::rows::{DeformingView, Row, RowSet};
+use crate::solve::solver::Solver;
+use crate::tick::quality;
+use crate::tick::record::TickFault;
+use palpate_geometry::math::{Point3, Vector3};
+
+/// A body as rows see it, when it deforms.
+pub(crate) fn view<'a>(body: &'a Body, parts: &'a BodyScratch) -> Option<DeformingView<'a>> {
+    let deforming = parts.deforming.as_ref()?;
+    Some(DeformingView {
+        surface: &parts.surface,
+        predicted: &deforming.predicted_net,
+        samples: &body.deforming()?.samples,
+    })
+}
+
+/// What a tick did to a body.
+enum Stepped {
+    /// Its step goes on.
+    Not,
+    /// It moved; its next free motion is known or not.
+    Done { predicted: bool },
+}
+
+impl Party for Of<'_, &DeformingBody> {
+    type State = BodyState;
+    type Scratch = BodyScratch;
+
+    fn start(&self) -> BodyState {
+        let deformable = &self.kind.deformable;
+        let loads = match self.kind.every > 1 {
+            true => deformable.coordinate_count(),
+            false => 0,
+        };
+        BodyState {
+            deformable: Some(deformable.rest_state()),
+            loads: vec![Vector3::zeros(); loads],
+            ..BodyState::default()
+        }
+    }
+
+    fn scratch(&self) -> BodyScratch {
+        let net = self.body.surface.net().points();
+        BodyScratch {
+            deforming: Some(DeformingScratch {
+                deformable: self.kind.deformable.scratch(),
+                predicted_net: net.to_vec(),
+                change: vec![Vector3::zeros(); net.len()],
+            }),
+            ..BodyScratch::of(self.body)
+        }
+    }
+
+    fn prepare(&self, field: Field, state: &BodyState, scratch: &mut BodyScratch, predicted: bool) {
+        let BodyScratch {
+            surface,
+            solver,
+            bounds,
+            deforming,
+            ..
+        } = scratch;
+        let (Some(deforming), Some(nodes)) = (deforming, &state.deformable) else {
+            return;
+        };
+        let deformable = &self.kind.deformable;
+        deformable.set_field(&mut deforming.deformable, field);
+        match predicted {
+            false => deformable.predict(nodes, &mut deforming.deformable),
+            true => deformable.follow(nodes, &mut deforming.deformable),
+        }
+        for (control, point) in surface.net_mut().points_mut().iter_mut().enumerate() {
+            let node = deformable.coordinate_of_control(control);
+            *point = nodes.positions[node];
+            deforming.predicted_net[control] = deforming.deformable.predicted[node];
+        }
+        solver.net_changed();
+        let (now, then) = (
+            box_of(surface.net().points()),
+            box_of(&deforming.predicted_net),
+        );
+        *bounds = (now.0.inf(&then.0), now.1.sup(&then.1));
+    }
+
+    fn forget(&self, scratch: &mut BodyScratch) {
+        if let Some(deforming) = &mut scratch.deforming {
+            self.kind.deformable.forget(&mut deforming.deformable);
+        }
+    }
+
+    fn respond(
+        &self,
+        _: &BodyState,
+        scratch: &BodyScratch,
+        rows: &RowSet,
+        whole: bool,
+        solver: &mut Solver,
+    ) {
+        let Some(deforming) = &scratch.deforming else {
+            return;
+        };
+        let deformable = &self.kind.deformable;
+        let Solver {
+            problem, delassus, ..
+        } = solver;
+        delassus.clear();
+        for (i, row) in rows.rows.iter().enumerate() {
+            for (sign, side) in row.sides_on(self.index) {
+                let (controls, weights) = rows.weights_in(side);
+                let moving = controls.iter().zip(weights);
+                let moving = moving.filter_map(|(&control, &weight)| {
+                    let coordinate = deformable.coordinate_of_control(control as usize);
+                    Some((deformable.unknown(coordinate)?, coordinate, weight))
+                });
+                delassus.add(i, sign, moving);
+            }
+        }
+        delassus.respond(|coordinate| deformable.compliance_of(&deforming.deformable, coordinate));
+        delassus.each_pair(|pair| {
+            let [i, j] = pair.rows;
+            let entry = pair.compliance * direction(&rows.rows[i], &rows.rows[j], whole);
+            problem.row_mut(i)[j] += entry;
+            if !pair.same {
+                problem.row_mut(j)[i] += entry;
+            }
+        });
+        if !whole {
+            self.respond_softly(scratch, rows, solver);
+        }
+    }
+
+    fn mode_count(&self) -> usize {
+        self.kind.deformable.mode_count()
+    }
+
+    fn give_modes(
+        &self,
+        scratch: &BodyScratch,
+        rows: &RowSet,
+        row: &Row,
+        first: usize,
+        solver: &mut Solver,
+    ) {
+        if !self.modes_of_row(scratch, rows, row, solver) {
+            return;
+        }
+        let moves = solver.mode_moves.iter();
+        for (k, (moves, gain)) in moves.zip(self.kind.deformable.mode_gains()).enumerate() {
+            solver.friction.add_mode(first + k, *gain, moves);
+        }
+    }
+
+    fn gives(
+        &self,
+        _: &BodyState,
+        scratch: &BodyScratch,
+        rows: &RowSet,
+        row: &Row,
+        solver: &mut Solver,
+    ) -> f64 {
+        let mut sum = 0.0;
+        if self.modes_of_row(scratch, rows, row, solver) {
+            let moves = solver.mode_moves.iter();
+            sum += (moves.zip(self.kind.deformable.mode_gains()))
+                .map(|(moves, gain)| gain * moves.dot(&row.normal).powi(2))
+                .sum::<f64>();
+        }
+        let Some(deforming) = &scratch.deforming else {
+            return sum;
+        };
+        let deformable = &self.kind.deformable;
+        for (sign_a, side_a) in row.sides_on(self.index) {
+            let (controls_a, weights_a) = rows.weights_in(side_a);
+            for (&a, weight_a) in controls_a.iter().zip(weights_a) {
+                let coordinate = deformable.coordinate_of_control(a as usize);
+                let Some(column) = deformable.compliance_of(&deforming.deformable, coordinate)
+                else {
+                    continue;
+                };
+                for (sign_b, side_b) in row.sides_on(self.index) {
+                    let (controls_b, weights_b) = rows.weights_in(side_b);
+                    for (&b, weight_b) in controls_b.iter().zip(weights_b) {
+                        let there = deformable.coordinate_of_control(b as usize);
+                        if let Some(unknown) = deformable.unknown(there) {
+                            sum += sign_a * sign_b * weight_a * weight_b * column[unknown];
+                        }
+                    }
+                }
+            }
+        }
+        sum
+    }
+
+    fn sweeps(&self, _: usize, _: &dyn Fn() -> bool) -> usize {
+        self.kind.sweeps
+    }
+
+    fn iterations(&self) -> usize {
+        self.kind.deformable.iterations()
+    }
+
+    fn take(
+        &self,
+        scratch: &mut BodyScratch,
+        rows: &RowSet,
+        row: &Row,
+        push_n: Vector3,
+        iteration: usize,
+    ) {
+        let deformable = &self.kind.deformable;
+        let Some(deforming) = &mut scratch.deforming else {
+            return;
+        };
+        if deformable.iterations() <= iteration {
+            return;
+        }
+        if row.tool().is_some() {
+            deformable.handle(&mut deforming.deformable);
+        }
+        for (sign, range) in row.sides_on(self.index) {
+            let (controls, weights) = rows.weights_in(range);
+            for (&control, &weight) in controls.iter().zip(weights) {
+                let node = deformable.coordinate_of_control(control as usize);
+                deformable.push(&mut deforming.deformable, node, push_n * sign * weight);
+            }
+        }
+    }
+
+    fn correct(&self, state: &BodyState, scratch: &mut BodyScratch, rows: &mut RowSet) {
+        let (Some(nodes), Some(deforming)) = (&state.deformable, &mut scratch.deforming) else {
+            return;
+        };
+        let deformable = &self.kind.deformable;
+        deformable.iterate(nodes, &mut deforming.deformable);
+        for (control, point) in deforming.predicted_net.iter_mut().enumerate() {
+            let next = deforming.deformable.predicted[deformable.coordinate_of_control(control)];
+            deforming.change[control] = next - *point;
+            *point = next;
+        }
+        rows.shift(self.index, &deforming.change);
+    }
+
+    /// Steps every tick, or begins a step with the forces of one tick and takes it over some ticks later, on
+    /// whatever thread it was done. In between the surface stands still and answers with its compliance.
+    fn apply(
+        &self,
+        around: &Around<'_>,
+        state: &mut BodyState,
+        scratch: &mut BodyScratch,
+        pipeline: &mut Option<Box<dyn Pipeline>>,
+    ) -> Option<TickFault> {
+        let deforming = scratch.deforming.as_mut()?;
+        let stepped = self.step(around.field, state, deforming, pipeline);
+        let Stepped::Done { predicted } = stepped else {
+            state.moved_m = 0.0;
+            return None;
+        };
+        let nodes = state.deformable.as_mut()?;
+        let deformable = &self.kind.deformable;
+        // A sum is finite only if every part is.
+        let sum: f64 = nodes.positions.iter().map(|p| p.x + p.y + p.z).sum();
+        let mut fault = (!sum.is_finite()).then_some(TickFault::NotFinite);
+        if fault.is_some() {
+            deformable.set_to_rest(nodes);
+        }
+        let (mut moved_squared, reach) = self.moved(nodes, scratch);
+        let most_m = TickFault::MOST_SPEED_M_S * deformable.dt_s();
+        let apart =
+            moved_squared > most_m * most_m || reach > TickFault::MOST_STRETCHED * self.body.size_m;
+        if fault.is_none() && apart {
+            let body = self.index as u32;
+            fault = Some(TickFault::CameApart { body });
+            deformable.set_to_rest(nodes);
+            moved_squared = self.moved(nodes, scratch).0;
+        }
+        state.moved_m = moved_squared.sqrt();
+        if moved_squared > 0.0 {
+            state.revision += 1;
+        }
+        self.prepare(around.field, state, scratch, predicted && fault.is_none());
+        fault
+    }
+
+    fn stand_still(&self, field: Field, state: &BodyState, scratch: &mut BodyScratch) {
+        let deformable = &self.kind.deformable;
+        if let Some(deforming) = &mut scratch.deforming {
+            deformable.drop_loads(&mut deforming.deformable);
+        }
+        // Takes back further iterations: the next tick begins with the first.
+        if deformable.iterations() > 1 {
+            self.prepare(field, state, scratch, false);
+        }
+    }
+
+    fn may_rest(&self) -> bool {
+        self.kind.every == 1
+    }
+
+    fn leave_alone(
+        &self,
+        around: &Around<'_>,
+        state: &mut BodyState,
+        scratch: &mut BodyScratch,
+        leave: bool,
+    ) {
+        if let Some(nodes) = &mut state.deformable {
+            nodes.leave_alone(leave);
+        }
+        self.prepare(around.field, state, scratch, false);
+    }
+
+    fn resolution(&self) -> &[Resolution] {
+        &self.kind.resolution
+    }
+
+    fn net(&self, state: &BodyState, out: &mut [Point3]) {
+        let Some(nodes) = &state.deformable else {
+            return;
+        };
+        for (control, point) in out.iter_mut().enumerate() {
+            *point = nodes.positions[self.kind.deformable.coordinate_of_control(control)];
+        }
+    }
+
+    fn speed_m_s(&self, state: &BodyState) -> f64 {
+        let velocities = state.deformable.iter().flat_map(|nodes| &nodes.velocities);
+        velocities
+            .fold(0.0, |most: f64, v| most.max(v.norm_squared()))
+            .sqrt()
+    }
+
+    fn is_degraded(&self, level: u8, scratch: &BodyScratch) -> bool {
+        let fewer = level >= quality::ONE_ITERATION && self.kind.deformable.iterations() > 1;
+        fewer || self.fall_back(scratch).is_some()
+    }
+
+    fn limited_cells(&self, scratch: &BodyScratch) -> u32 {
+        let deforming = scratch.deforming.as_ref();
+        deforming.map_or(0, |own| self.kind.deformable.limited(&own.deformable))
+    }
+
+    fn begun(&self, state: &BodyState, scratch: &BodyScratch) -> Option<Begun> {
+        let deformable = &self.kind.deformable;
+        let fall_back = self.fall_back(scratch);
+        Some(Begun {
+            before: state.deformable.clone()?,
+            field: deformable.field(&scratch.deforming.as_ref()?.deformable),
+            matrix: match fall_back {
+                Some(FallBack::Firmer) => Some("firmer"),
+                Some(FallBack::Bounding) => Some("bounding"),
+                _ => deformable.step_matrix(),
+            },
+            fall_back,
+        })
+    }
+
+    fn balance(&self, begun: &Begun, state: &BodyState, moved: bool) -> Option<Ended> {
+        let norm =
+            |forces: &[Vector3]| forces.iter().map(Vector3::norm_squared).sum::<f64>().sqrt();
+        let after = state.deformable.as_ref()?;
+        // Of several ticks a step, the last ends it.
+        let ends = moved && state.phase == 0;
+        let residual = || (self.kind.deformable).residual(&begun.before, after, begun.field);
+        let residual = if ends { residual() } else { None };
+        Some(Ended {
+            residual_n: residual.map(|forces| norm(&forces)),
+            contact_n: norm(&after.contact_n),
+        })
+    }
+
+    fn is_late(&self, state: &BodyState, pipeline: &mut dyn Pipeline) -> bool {
+        // A step begins in one tick and is taken over in a later one: both may have to wait.
+        let due = state.phase == 0 || state.phase + 1 >= self.kind.every;
+        self.kind.every > 1 && due && !state.put_off && !pipeline.is_ready(self.index)
+    }
+}
+
+impl Of<'_, &DeformingBody> {
+    fn fall_back(&self, scratch: &BodyScratch) -> Option<FallBack> {
+        let deforming = scratch.deforming.as_ref()?;
+        self.kind.deformable.fall_back(&deforming.deformable)
+    }
+
+    /// How each soft mode moves a row, into the solver's buffer; false if none does.
+    fn modes_of_row(
+        &self,
+        scratch: &BodyScratch,
+        rows: &RowSet,
+        row: &Row,
+        solver: &mut Solver,
+    ) -> bool {
+        let deformable = &self.kind.deformable;
+        let Some(deforming) = scratch.deforming.as_ref() else {
+            return false;
+        };
+        if deformable.mode_count() == 0 {
+            return false;
+        }
+        let moves = &mut solver.mode_moves[..deformable.mode_count()];
+        moves.fill(Vector3::zeros());
+        let mut any = false;
+        for (sign, side) in row.sides_on(self.index) {
+            any = true;
+            let (controls, weights) = rows.weights_in(side);
+            for (&control, &weight) in controls.iter().zip(weights) {
+                let coordinate = deformable.coordinate_of_control(control as usize);
+                deformable.add_modes(&deforming.deformable, coordinate, sign * weight, moves);
+            }
+        }
+        any
+    }
+
+    /// Adds what soft modes move rows along their normals.
+    fn respond_softly(&self, scratch: &BodyScratch, rows: &RowSet, solver: &mut Solver) {
+        let deformable = &self.kind.deformable;
+        let (modes, count) = (deformable.mode_count(), rows.rows.len());
+        if modes == 0 {
+            return;
+        }
+        for (i, row) in rows.rows.iter().enumerate() {
+            let moved = self.modes_of_row(scratch, rows, row, solver);
+            let along = &mut solver.modes_along[i * modes..(i + 1) * modes];
+            for (along, moves) in along.iter_mut().zip(&solver.mode_moves) {
+                *along = if moved { moves.dot(&row.normal) } else { 0.0 };
+            }
+        }
+        let gains = deformable.mode_gains();
+        for i in 0..count {
+            let first = &solver.modes_along[i * modes..(i + 1) * modes];
+            for j in 0..=i {
+                let second = &solver.modes_along[j * modes..(j + 1) * modes];
+                let mut entry = 0.0;
+                for ((a, b), gain) in first.iter().zip(second).zip(gains) {
+                    entry += a * b * gain;
+                }
+                solver.problem.row_mut(i)[j] += entry;
+                if i != j {
+                    solver.problem.row_mut(j)[i] += entry;
+                }
+            }
+        }
+    }
+
+    /// Of the control points: the square of how far the farthest has moved, m², and the diagonal of their
+    /// box, m.
+    fn moved(&self, state: &DeformableState, scratch: &BodyScratch) -> (f64, f64) {
+        let mut most: f64 = 0.0;
+        let (mut low, mut high) = (Point3::from([f64::MAX; 3]), Point3::from([f64::MIN; 3]));
+        for (control, old) in scratch.surface.net().points().iter().enumerate() {
+            let now = &state.positions[self.kind.deformable.coordinate_of_control(control)];
+            let step = (now - old).norm_squared();
+            most = if step > most { step } else { most };
+            (low, high) = (low.inf(now), high.sup(now));
+        }
+        (most, (high - low).norm())
+    }
+
+    fn step(
+        &self,
+        field: Field,
+        state: &mut BodyState,
+        deforming: &mut DeformingScratch,
+        pipeline: &mut Option<Box<dyn Pipeline>>,
+    ) -> Stepped {
+        let (deformable, every) = (&self.kind.deformable, self.kind.every);
+        let Some(nodes) = &mut state.deformable else {
+            return Stepped::Not;
+        };
+        let scratch = &mut deforming.deformable;
+        if every > 1 {
+            if std::mem::take(&mut state.put_off) {
+                deformable.drop_loads(scratch);
+                return Stepped::Not;
+            }
+            if state.phase == 0 {
+                deformable.take_loads(scratch, &mut state.loads);
+                if let Some(pipeline) = pipeline {
+                    pipeline.start(self.index, field, nodes, &scratch.predicted, &state.loads);
+                }
+            } else {
+                deformable.drop_loads(scratch);
+            }
+            state.phase += 1;
+            if state.phase < every {
+                return Stepped::Not;
+            }
+            state.phase = 0;
+            let finished = pipeline
+                .as_mut()
+                .is_some_and(|pipeline| pipeline.finish(self.index, nodes, &mut scratch.predicted));
+            if finished {
+                return Stepped::Done { predicted: true };
+            }
+            deformable.give_loads(scratch, &state.loads);
+        }
+        deformable.advance(nodes, scratch);
+        Stepped::Done { predicted: false }
+    }
+}

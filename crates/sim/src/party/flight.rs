@@ -1,0 +1,204 @@
+//! How a free rigid body moves, and what it gives way.
+
+use crate::scene::{Free, Mass};
+use crate::solve::rows::Row;
+use palpate_geometry::math::{Point3, Rotation, Vector3};
+use palpate_geometry::stateful;
+
+/// Ticks after which a body that is slow is at rest.
+const CALM_TICKS: u32 = 100;
+/// Slow is slower than so many times `sleep_m_s`: as for deforming bodies that lie on others, whose contact
+/// points tremble.
+const TREMBLES: f64 = 300.0;
+/// How a free rigid body moves.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Flight {
+    /// Of its centre of mass, m/s.
+    pub velocity_m_s: Vector3,
+    /// Angular momentum about its centre of mass, kg·m²/s; in the world.
+    pub momentum: Vector3,
+    /// Ticks for which it has been slow, up to [`CALM_TICKS`].
+    calm: u32,
+    /// It lies at rest and neither moves nor is looked at.
+    left_alone: bool,
+}
+
+stateful!(Flight, |this, walk| {
+    let Flight {
+        velocity_m_s,
+        momentum,
+        calm,
+        left_alone,
+    } = this;
+    walk.packed("rest of a free body", [(0, calm), (32, left_alone)])?;
+    walk.ensure(*calm <= CALM_TICKS, "calm ticks", u64::from(*calm))?;
+    walk.vector(velocity_m_s)?;
+    walk.vector(momentum)
+});
+
+impl Flight {
+    /// At the start.
+    pub(crate) fn start(free: &Free) -> Self {
+        Self {
+            velocity_m_s: free.velocity_m_s,
+            momentum: free.mass.momentum(&free.mass.axes, &free.spin_rad_s),
+            ..Self::default()
+        }
+    }
+
+    /// It has been at rest for a while.
+    pub(crate) fn lies_calm(&self) -> bool {
+        self.calm >= CALM_TICKS
+    }
+
+    /// It lies at rest and neither moves nor is looked at.
+    pub(crate) fn is_left_alone(&self) -> bool {
+        self.left_alone
+    }
+
+    /// Leaves it alone, at rest, or takes it up again.
+    pub(crate) fn leave_alone(&mut self, left_alone: bool) {
+        *self = match left_alone {
+            true => Self {
+                calm: CALM_TICKS,
+                left_alone,
+                ..Self::default()
+            },
+            false => Self {
+                calm: 0,
+                left_alone,
+                ..*self
+            },
+        };
+    }
+
+    /// Where the body is after a tick, and how it moves then, under a force (N) and a moment about its
+    /// centre (N·m) beside gravity.
+    pub(crate) fn after(
+        &self,
+        (position, rotation): (&Point3, &Rotation),
+        free: &Free,
+        gravity: &Vector3,
+        (force_n, moment_nm): (&Vector3, &Vector3),
+        dt_s: f64,
+    ) -> (Point3, Rotation, Self) {
+        let mass = &free.mass;
+        let velocity_m_s = self.velocity_m_s + (gravity + force_n / mass.mass_kg) * dt_s;
+        let momentum = self.momentum + moment_nm * dt_s;
+        let rim_m_s = mass.spin(rotation, &momentum).norm() * mass.reach_m;
+        let slow = velocity_m_s.norm() + rim_m_s < TREMBLES * free.sleep_m_s;
+        let next = Self {
+            velocity_m_s,
+            momentum,
+            calm: if slow {
+                (self.calm + 1).min(CALM_TICKS)
+            } else {
+                0
+            },
+            left_alone: false,
+        };
+        (
+            position + velocity_m_s * dt_s,
+            mass.turned(rotation, &momentum, dt_s),
+            next,
+        )
+    }
+}
+
+/// What a free body gives way in one tick, in the pose it has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Gives {
+    /// Centre of mass, m.
+    centre: Point3,
+    /// From its principal axes to the world.
+    rotation: Rotation,
+    /// The principal axes, in the world.
+    axes: [Vector3; 3],
+    /// dt² / m, m/N.
+    pub shift_m_n: f64,
+    /// dt² / I about each axis, rad/(N·m).
+    pub turn_rad_nm: [f64; 3],
+}
+
+impl Gives {
+    pub(crate) fn new(mass: &Mass, position: &Point3, rotation: &Rotation, dt_s: f64) -> Self {
+        Self {
+            centre: *position,
+            rotation: *rotation,
+            axes: [0, 1, 2].map(|k| rotation * Vector3::ith(k, 1.0)),
+            shift_m_n: dt_s * dt_s / mass.mass_kg,
+            turn_rad_nm: mass.moments_kg_m2.map(|moment| dt_s * dt_s / moment),
+        }
+    }
+
+    /// From the centre of mass to where a row acts, m: on a tool's row where it is on the body, on others
+    /// in the middle between both surfaces, so that two bodies keep their angular momentum together.
+    pub(crate) fn arm(&self, row: &Row) -> Vector3 {
+        let place = match row.tool() {
+            Some(_) => row.point,
+            None => row.point + row.normal * (0.5 * row.now_m),
+        };
+        place - self.centre
+    }
+
+    /// How a moment turns it, rad.
+    pub(crate) fn turned(&self, moment: &Vector3) -> Vector3 {
+        let parts = self.axes.iter().zip(&self.turn_rad_nm);
+        parts
+            .map(|(axis, gain)| axis * (gain * axis.dot(moment)))
+            .sum()
+    }
+
+    /// How a turn by one rad about each of its axes moves a point at an arm, m.
+    pub(crate) fn moves(&self, arm: &Vector3) -> [Vector3; 3] {
+        self.axes.map(|axis| axis.cross(arm))
+    }
+
+    /// A point of the world, from the centre of mass in the principal axes, m.
+    pub(crate) fn to_body(self, point: &Point3) -> Vector3 {
+        self.rotation
+            .inverse_transform_vector(&(point - self.centre))
+    }
+
+    /// The reverse.
+    pub(crate) fn to_world(self, place: &Vector3) -> Point3 {
+        self.centre + self.rotation * place
+    }
+}
+
+/// How a free rigid body moves, for whoever measures.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RigidMotion {
+    /// kg.
+    pub mass_kg: f64,
+    /// Centre of mass, m.
+    pub centre: Point3,
+    /// Of it, m/s.
+    pub velocity_m_s: Vector3,
+    /// rad/s; in the world.
+    pub spin_rad_s: Vector3,
+    /// About the centre of mass, kg·m²/s; in the world.
+    pub momentum: Vector3,
+    /// Of the motion, J.
+    pub energy_j: f64,
+}
+
+impl RigidMotion {
+    pub(super) fn of(
+        mass: &Mass,
+        (position, rotation): (&Point3, &Rotation),
+        flight: &Flight,
+    ) -> Self {
+        let spin_rad_s = mass.spin(rotation, &flight.momentum);
+        let velocity_m_s = flight.velocity_m_s;
+        Self {
+            mass_kg: mass.mass_kg,
+            centre: *position,
+            velocity_m_s,
+            spin_rad_s,
+            momentum: flight.momentum,
+            energy_j: 0.5 * mass.mass_kg * velocity_m_s.norm_squared()
+                + 0.5 * flight.momentum.dot(&spin_rad_s),
+        }
+    }
+}
