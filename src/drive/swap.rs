@@ -72,10 +72,7 @@ impl Swap {
         scratch: &mut Scratch,
     ) {
         self.scene.carry_over(state, &self.origins, &mut self.state);
-        for body in 0..self.scene.body_count() {
-            self.scene
-                .prepare_body(body, &self.state, &mut self.scratch);
-        }
+        self.scene.prepare(&self.state, &mut self.scratch);
         std::mem::swap(scene, &mut self.scene);
         std::mem::swap(state, &mut self.state);
         std::mem::swap(scratch, &mut self.scratch);

@@ -1,15 +1,18 @@
 //! The simulation: scenes, deforming bodies, contact forces, haptic couplings and the tick.
 //!
 //! ```text
-//! solve ──▶ body | haptics ──▶ scene ──▶ party ──▶ tick
+//! solve ──▶ body | haptics ──▶ scene ──▶ party ──▶ contact ──▶ rest ──▶ report ──▶ tick
 //! ```
 //! [`tick::step`] is pure: no clock, no I/O, no allocation, no lock, no error. Given the same build
 //! and inputs it computes the same bits. What drives it in real time, publishes and records it is
 //! in the `palpate` crate.
 
 pub mod body;
+pub mod contact;
 pub mod haptics;
 pub mod party;
+pub mod report;
+mod rest;
 pub mod scene;
 pub mod solve;
 pub mod tick;

@@ -196,7 +196,7 @@ impl Look {
             Self::EdgeStraightness(spec) => {
                 Some(Line::through(&spec.points(&now(start.body), spec.to)).straightness_m)
             }
-            Self::Speed { .. } => Some(scene.speed_m_s(state, start.body)),
+            Self::Speed { .. } => Some(state.speed_m_s(scene, start.body)),
             Self::VolumeChange { .. } => Some(now(start.body).volume() / start.volume_m3 - 1.0),
             Self::Spilled { .. } => {
                 let (body, rim) = (now(start.body), now(start.other));
@@ -208,7 +208,7 @@ impl Look {
                 Some(deepest_m(&now(start.body), &now(start.other), POINTS))
             }
             Self::WeightError { .. } => {
-                if scene.speed_m_s(state, start.body) > AT_REST_M_S {
+                if state.speed_m_s(scene, start.body) > AT_REST_M_S {
                     return None;
                 }
                 let gravity = Vector3::from(scene.spec.gravity.acceleration);

@@ -36,27 +36,32 @@ impl Scratch {
     pub fn row_count(&self) -> usize {
         self.rows.rows.len()
     }
+
+    /// Cells of a body that the last pass held back, because their tangent exceeded what the step follows.
+    pub fn limited_cells(&self, scene: &Scene, body: usize) -> u32 {
+        scene.party(body).limited_cells(&self.bodies[body])
+    }
 }
 
-impl Scene {
+impl SceneState {
     /// Greatest speed of any coordinate of a deforming body, m/s; of a rigid one that moves, of its
     /// control points. 0 of what is fixed.
-    pub fn speed_m_s(&self, state: &SceneState, body: usize) -> f64 {
-        self.party(body).speed_m_s(&state.bodies[body])
+    pub fn speed_m_s(&self, scene: &Scene, body: usize) -> f64 {
+        scene.party(body).speed_m_s(&self.bodies[body])
     }
 
     /// How a free rigid body moves; `None` of others.
-    pub fn rigid_motion(&self, state: &SceneState, body: usize) -> Option<RigidMotion> {
-        self.party(body).motion(&state.bodies[body])
+    pub fn rigid_motion(&self, scene: &Scene, body: usize) -> Option<RigidMotion> {
+        scene.party(body).motion(&self.bodies[body])
     }
 
     /// True when a body lies at rest on others and is left alone.
-    pub fn is_left_alone(&self, state: &SceneState, body: usize) -> bool {
-        state.bodies[body].is_left_alone()
+    pub fn is_left_alone(&self, body: usize) -> bool {
+        self.bodies[body].is_left_alone()
     }
 
     /// Placement of a rigid body that moves: a point of its surface at rest, where it is now, m.
-    pub fn carried_point(&self, state: &SceneState, body: usize, rest: &Point3) -> Point3 {
-        self.party(body).carry(&state.bodies[body], rest)
+    pub fn carried_point(&self, scene: &Scene, body: usize, rest: &Point3) -> Point3 {
+        scene.party(body).carry(&self.bodies[body], rest)
     }
 }

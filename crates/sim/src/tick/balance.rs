@@ -12,8 +12,8 @@
 //! With friction or grips, forces have three components and rows move each other by the bracket
 //! alone, without n_i · n_j.
 
-use super::{Warm, WarmRow};
-use super::{dent, quality, stick};
+use crate::contact::warm::{Warm, WarmRow};
+use crate::contact::{dent, stick};
 use crate::party::{BodyScratch, BodyState, Party as _, ToolScratch, ToolState};
 use crate::scene::{Body, Scene};
 use crate::solve::cones::{self, ConeShare};
@@ -22,6 +22,7 @@ use crate::solve::hold::{Barrier, hold};
 use crate::solve::rows::{Row, RowSet};
 use crate::solve::sharing::{Share, share};
 use crate::solve::solver::{MANY_ROWS, Solver};
+use crate::tick::quality;
 use palpate_geometry::math::Vector3;
 
 /// Where there are no tools.
@@ -41,7 +42,7 @@ enum Start {
 }
 
 /// What the contact forces of a tick depend on.
-pub(super) struct Balance<'a> {
+pub(crate) struct Balance<'a> {
     pub scene: &'a Scene,
     pub tools: &'a [ToolState],
     pub states: &'a [BodyState],
@@ -55,7 +56,7 @@ pub(super) struct Balance<'a> {
 
 impl Balance<'_> {
     /// Solves for the force of every row.
-    pub(super) fn solve(&mut self) {
+    pub(crate) fn solve(&mut self) {
         let scene = self.scene;
         let count = self.rows.rows.len();
         self.solver.problem.begin(count);
@@ -89,7 +90,7 @@ impl Balance<'_> {
     }
 
     /// Solves once more, on the same compliance, after gaps have changed.
-    pub(super) fn solve_again(&mut self) {
+    pub(crate) fn solve_again(&mut self) {
         if !self.rows.rows.is_empty() {
             self.solve_rows(Start::Here);
         }

@@ -1,6 +1,7 @@
 //! What goes on when one scene becomes another between two ticks.
 
-use super::state::{PairState, SceneState};
+use super::state::SceneState;
+use crate::contact::PairState;
 use crate::scene::{Origin, Scene};
 use palpate_geometry::math::Vector3;
 

@@ -5,8 +5,8 @@
 //! corrected, the gaps follow, and the forces are solved for anew on the same compliance. What
 //! moves no more is at rest with its forces, however many iterations there are.
 
-use super::balance::Balance;
 use super::{load, quality};
+use crate::tick::balance::Balance;
 
 /// Runs what iterations are left after the first.
 pub(super) fn iterate(balance: &mut Balance<'_>) {

@@ -8,7 +8,7 @@ use crate::solve::solver::Solver;
 use palpate_geometry::math::Vector3;
 
 /// Sum of the sizes of the forces of the rows on a tool, N.
-pub(super) fn pushes_n(rows: &[Row], solver: &Solver, t: usize) -> f64 {
+pub(crate) fn pushes_n(rows: &[Row], solver: &Solver, t: usize) -> f64 {
     let own = rows.iter().enumerate();
     let own = own.filter(|(_, row)| row.tool() == Some(t));
     own.map(|(i, _)| match solver.is_whole() {
@@ -19,7 +19,7 @@ pub(super) fn pushes_n(rows: &[Row], solver: &Solver, t: usize) -> f64 {
 }
 
 /// Finds what share of its rows' forces each tool's device bears.
-pub(super) fn limit_tools(
+pub(crate) fn limit_tools(
     scene: &Scene,
     states: &[ToolState],
     rows: &RowSet,
@@ -34,7 +34,7 @@ pub(super) fn limit_tools(
 }
 
 /// Force of a row on its holder, N, scaled as the hand's was; its body gets the opposite.
-pub(super) fn on_bodies(row: &Row, i: usize, solver: &Solver, tools: &[ToolScratch]) -> Vector3 {
+pub(crate) fn on_bodies(row: &Row, i: usize, solver: &Solver, tools: &[ToolScratch]) -> Vector3 {
     let factor = row.tool().map_or(1.0, |tool| tools[tool].borne);
     match solver.is_whole() {
         true => solver.friction.force_n(i) * factor,
@@ -44,7 +44,7 @@ pub(super) fn on_bodies(row: &Row, i: usize, solver: &Solver, tools: &[ToolScrat
 
 /// Gives a row's force, scaled as the hand's was, to its bodies whose steps have more iterations than
 /// `iteration`.
-pub(super) fn push_bodies(
+pub(crate) fn push_bodies(
     scene: &Scene,
     rows: &RowSet,
     solver: &Solver,

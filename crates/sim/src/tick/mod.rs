@@ -7,47 +7,30 @@
 
 mod admit;
 mod audit;
-mod balance;
-mod between;
-mod bounce;
+pub(crate) mod balance;
 mod by_tool;
 mod carry_over;
-mod degraded;
-mod dent;
-mod emit;
-pub mod explain;
-mod feet;
 pub mod flags;
-mod follow;
 mod frame;
-mod gather;
-mod grip;
 mod iterate;
 mod late;
-mod load;
-mod lying;
-mod manifold;
-mod meeting;
+pub(crate) mod load;
 mod motion;
-mod near;
 pub mod quality;
 pub mod record;
-mod rest;
-mod resting;
 mod scratch;
 pub mod stage;
 mod state;
 mod step;
-mod stick;
-mod warm;
 
+pub use crate::contact::{PairState, Warm, WarmRow};
 pub use crate::party::{
     BodyScratch, BodyState, Course, Flight, Pipeline, RigidMotion, RigidState, Sent, ToolState,
 };
+pub use crate::report::explain;
 pub use frame::FrameState;
 pub use late::late_step;
 pub use scratch::Scratch;
-pub use state::{PairState, RunState, SceneState};
+pub use state::{RunState, SceneState};
 pub(crate) use step::depths_at_start;
 pub use step::{apply, deform, hash, render, restore, step, step_explained, step_into};
-pub use warm::{Warm, WarmRow};

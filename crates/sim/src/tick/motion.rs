@@ -2,23 +2,18 @@
 
 use super::frame::FrameState;
 use super::record::TickFault;
-use super::state::SceneState;
-use crate::party::{Around, BodyScratch, BodyState, Pipeline};
+use crate::party::{Around, BodyScratch, BodyState, Pipeline, ToolState};
 use crate::scene::Scene;
 
 /// Moves every body, and gives the last fault for which one had to be set back.
 pub(super) fn advance(
     scene: &Scene,
-    state: &mut SceneState,
+    states: &mut [BodyState],
+    tools: &[ToolState],
+    frame: &mut FrameState,
     scratch: &mut [BodyScratch],
     pipeline: &mut Option<Box<dyn Pipeline>>,
 ) -> Option<TickFault> {
-    let SceneState {
-        bodies,
-        tools,
-        frame,
-        ..
-    } = state;
     scene.follow_frame(frame, tools);
     let around = Around {
         tools,
@@ -27,7 +22,7 @@ pub(super) fn advance(
     };
     let mut fault = None;
     for (b, body) in scene.parties().enumerate() {
-        let own = body.apply(&around, &mut bodies[b], &mut scratch[b], pipeline);
+        let own = body.apply(&around, &mut states[b], &mut scratch[b], pipeline);
         fault = own.or(fault);
     }
     fault

@@ -145,7 +145,7 @@ impl ContactReports {
 
     /// Keeps it in its place; the shallowest leaves a list that is full for a scene of so many
     /// tools.
-    pub(super) fn push(&mut self, report: ContactReport, tool_count: usize) {
+    pub(crate) fn push(&mut self, report: ContactReport, tool_count: usize) {
         let at = self
             .list
             .partition_point(|held| held.depth_m >= report.depth_m);

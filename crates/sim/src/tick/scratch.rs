@@ -1,8 +1,9 @@
 //! Buffers of a step, made anew from the state.
 
-use super::resting::Rest;
 use super::state::SceneState;
+use crate::contact::near::Near;
 use crate::party::{BodyScratch, Party as _, Pipeline, ToolScratch};
+use crate::rest::Rest;
 use crate::scene::{Pair, Scene};
 use crate::solve::complementarity::Complementarity;
 use crate::solve::delassus::Delassus;
@@ -10,7 +11,6 @@ use crate::solve::friction::FrictionProblem;
 use crate::solve::indentation::{Indentation, Touch};
 use crate::solve::rows::{MAX_ROWS_PER_PAIR, RowSet, SampleInTouch};
 use crate::solve::solver::{MANY_ROWS, Solver, TURNS};
-use palpate_geometry::contact::broad::{BroadPhase, MAX_BOXES};
 use palpate_geometry::contact::dispatch::Narrow;
 use palpate_geometry::contact::spheres::Counters;
 use palpate_geometry::math::Vector3;
@@ -67,42 +67,6 @@ impl Scratch {
                 scratch.counters()?,
             ))
         })
-    }
-}
-
-/// Fewer pairs than this are looked at one by one; a tree would cost more than it saves.
-const FEW: usize = 16;
-/// Boxes of the tree are widened by this share of the smallest body's size.
-const WIDER: f64 = 0.1;
-
-/// A mark by pair, and the tree that sets them. Bodies come first in its numbers, then tools.
-#[derive(Clone, Debug)]
-pub(super) struct Near {
-    pub marks: Vec<bool>,
-    /// In scenes of many pairs.
-    pub tree: Option<Box<BroadPhase>>,
-}
-
-impl Near {
-    /// Nothing is near.
-    pub(super) fn new(scene: &Scene) -> Self {
-        let boxes = scene.bodies.len() + scene.tools.len();
-        let smallest = scene
-            .bodies
-            .iter()
-            .map(|body| body.size_m)
-            .fold(f64::INFINITY, f64::min);
-        let worth = scene.pairs.len() >= FEW && boxes <= MAX_BOXES;
-        let tree = worth.then(|| Box::new(BroadPhase::new(boxes, WIDER * smallest)));
-        Self {
-            marks: vec![false; scene.pairs.len()],
-            tree,
-        }
-    }
-
-    /// True when it can.
-    pub(super) fn is_near(&self, p: usize) -> bool {
-        self.marks[p]
     }
 }
 
@@ -177,7 +141,7 @@ impl Scene {
             pipeline: None,
             start: self.initial_state(),
         };
-        self.prepare_all(state, &mut scratch.bodies);
+        self.prepare(state, &mut scratch);
         scratch
     }
 
@@ -188,28 +152,19 @@ impl Scene {
         for (body, parts) in self.parties().zip(&mut scratch.bodies) {
             body.forget(parts);
         }
-        self.prepare_all(state, &mut scratch.bodies);
+        self.prepare(state, scratch);
         // Steps that were begun elsewhere belong to the state before.
         if let Some(pipeline) = &mut scratch.pipeline {
             pipeline.cancel();
         }
     }
 
-    fn prepare_all(&self, state: &SceneState, bodies: &mut [BodyScratch]) {
+    /// Brings the buffers of all bodies in line with their state: surface now, free motion of the next step, and
+    /// its net.
+    pub fn prepare(&self, state: &SceneState, scratch: &mut Scratch) {
         let field = self.field(&state.frame);
         for (b, body) in self.parties().enumerate() {
-            body.prepare(field, &state.bodies[b], &mut bodies[b], false);
+            body.prepare(field, &state.bodies[b], &mut scratch.bodies[b], false);
         }
-    }
-
-    /// Brings a body's buffers in line with its state: surface now, free motion of the next step and its net.
-    pub fn prepare_body(&self, body: usize, state: &SceneState, scratch: &mut Scratch) {
-        let field = self.field(&state.frame);
-        (self.party(body)).prepare(field, &state.bodies[body], &mut scratch.bodies[body], false);
-    }
-
-    /// Cells of a body that the last pass held back, because their tangent exceeded what the step follows.
-    pub fn limited_cells(&self, body: usize, scratch: &Scratch) -> u32 {
-        self.party(body).limited_cells(&scratch.bodies[body])
     }
 }

@@ -2,14 +2,13 @@
 
 use super::frame::FrameState;
 use super::quality;
-use super::warm::Warm;
+use crate::contact::PairState;
+use crate::contact::warm::Warm;
 use crate::party::{BodyState, Party as _, ToolState};
 use crate::scene::Scene;
 use crate::solve::grip::{GRAB, GripState};
-use crate::solve::proxy::ProxyState;
 use palpate_geometry::math::{Coded, Point3, StateSize, state_size};
 use palpate_geometry::stateful;
-use palpate_geometry::surface::WarmFoot;
 
 /// Whether bodies move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,16 +47,6 @@ pub struct SceneState {
     pub(crate) carried: bool,
     /// Contact forces of the last tick.
     pub warm: Warm,
-}
-
-/// State of a pair.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct PairState {
-    /// The proxy's.
-    pub proxy: ProxyState,
-    /// Every which of the body's samples is a row, in u and v: 2 and more where the contact has more
-    /// than there are rows; 0 before there was a contact.
-    pub thinned: u8,
 }
 
 impl Scene {
@@ -208,43 +197,4 @@ stateful!(SceneState, |this, walk| {
     }
     walk.part(warm)?;
     Ok(())
-});
-
-stateful!(PairState, |this, walk| {
-    let PairState {
-        proxy:
-            ProxyState {
-                touching,
-                below,
-                known,
-                clear_m,
-                met,
-                deepest_m,
-                foot,
-                queried,
-            },
-        thinned,
-    } = this;
-    let WarmFoot {
-        u,
-        v,
-        budget_m,
-        net_cost,
-    } = foot;
-    walk.packed(
-        "proxy",
-        [
-            (0, touching),
-            (1, below),
-            (2, known),
-            (3, met),
-            (8, thinned),
-        ],
-    )?;
-    walk.float(clear_m)?;
-    walk.float(deepest_m)?;
-    for value in [u, v, budget_m, net_cost] {
-        walk.float(value)?;
-    }
-    walk.point(queried)
 });

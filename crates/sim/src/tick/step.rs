@@ -1,12 +1,14 @@
 //! One tick: pure, no clock, no I/O, no allocation, no lock, no error.
 
-use super::balance::Balance;
-use super::explain::{self, Explanation};
 use super::record::{Command, TickInput, TickOutput};
-use super::{PairState, RunState, SceneState, Scratch, flags, quality};
-use super::{admit, emit, gather, iterate, motion};
+use super::{RunState, SceneState, Scratch, admit, flags, iterate, motion, quality};
+use crate::contact::{PairState, Search, find, grip, near};
 use crate::party::{Around, Party as _};
+use crate::report::explain::{self, Explanation};
+use crate::report::{degraded, outputs};
+use crate::rest;
 use crate::scene::Scene;
+use crate::tick::balance::Balance;
 use palpate_geometry::math::{SavedState, StateError, state_hash};
 
 /// Advances by one tick: [`render`], then [`deform`], then [`hash`]. The output is made anew, and
@@ -102,12 +104,12 @@ pub fn render(
     let SceneState { tools, pairs, .. } = state;
     admit::admit(scene, tools, pairs, input, wanted, output);
     predict(scene, state, scratch, moving);
-    gather::gather(scene, state, scratch, moving);
+    contacts(scene, state, scratch, moving);
     balance(scene, state, scratch).solve();
     let Scratch { rows, solver, .. } = &*scratch;
     admit::release(scene, &mut state.tools, &rows.rows, solver, wanted, output);
     iterate::iterate(&mut balance(scene, state, scratch));
-    emit::emit(scene, state, scratch, output);
+    report(scene, state, scratch, output);
     if std::mem::take(&mut state.faulted) {
         let tools = output.tools.as_mut_slice().iter_mut();
         tools.for_each(|tool| tool.flags |= flags::FAULT);
@@ -129,6 +131,69 @@ fn predict(scene: &Scene, state: &SceneState, scratch: &mut Scratch, moving: boo
     }
 }
 
+/// Rows of the contact problem.
+fn contacts(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, moving: bool) {
+    let SceneState {
+        bodies,
+        tools,
+        pairs,
+        frame,
+        warm,
+        ..
+    } = state;
+    let Scratch {
+        tools: tool_parts,
+        bodies: parts,
+        pairs: narrow,
+        near,
+        rest,
+        rows,
+        hits,
+        solver,
+        ..
+    } = scratch;
+    near::find(scene, tools, tool_parts, parts, near);
+    grip::update(scene, tools, parts);
+    let around = Around {
+        tools,
+        field: scene.field(frame),
+        moving,
+    };
+    rest::settle(scene, &around, bodies, parts, near, rest);
+    find::find(&mut Search {
+        scene,
+        tools,
+        states: bodies,
+        warm,
+        near,
+        pairs,
+        tool_parts,
+        bodies: parts,
+        narrow,
+        rest,
+        rows,
+        hits,
+        touches: &mut solver.touches,
+    });
+}
+
+/// Forces for the hands, and on the bodies.
+fn report(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, output: &mut TickOutput) {
+    let Scratch {
+        tools: tool_parts,
+        bodies,
+        rest,
+        rows,
+        solver,
+        degraded,
+        ..
+    } = scratch;
+    let SceneState { tools, warm, .. } = state;
+    outputs::write(scene, tools, tool_parts, rows, solver, rest, output);
+    degraded::mark(scene, bodies, &rows.rows, solver, degraded, output);
+    outputs::load_bodies(scene, warm, tool_parts, bodies, rows, solver, rest);
+}
+
 fn balance<'a>(scene: &'a Scene, state: &'a SceneState, scratch: &'a mut Scratch) -> Balance<'a> {
     Balance {
         scene,
@@ -148,7 +213,7 @@ pub(crate) fn depths_at_start(scene: &Scene) -> Vec<f64> {
     let mut state = scene.initial_state();
     let mut scratch = scene.scratch(&state);
     predict(scene, &state, &mut scratch, true);
-    gather::gather(scene, &mut state, &mut scratch, true);
+    contacts(scene, &mut state, &mut scratch, true);
     let depth = |pair: &PairState| pair.proxy.deepest_m;
     state.pairs.iter().map(depth).collect()
 }
@@ -162,9 +227,14 @@ pub fn deform(
 ) {
     if !output.moving {
         motion::stand_still(scene, &state.frame, &state.bodies, &mut scratch.bodies);
-    } else if let Some(fault) =
-        motion::advance(scene, state, &mut scratch.bodies, &mut scratch.pipeline)
-    {
+    } else if let Some(fault) = motion::advance(
+        scene,
+        &mut state.bodies,
+        &state.tools,
+        &mut state.frame,
+        &mut scratch.bodies,
+        &mut scratch.pipeline,
+    ) {
         output.fault = Some(fault);
         // The forces of this tick are out already.
         state.faulted = true;

@@ -143,7 +143,7 @@ impl World {
                 fastest = fastest.max(most.sqrt());
                 if energy < *last {
                     state.velocities.fill(Vector3::zeros());
-                    self.scene.prepare_body(b, &self.state, &mut self.scratch);
+                    self.scene.prepare(&self.state, &mut self.scratch);
                     energy = 0.0;
                 }
                 *last = energy;

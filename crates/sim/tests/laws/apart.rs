@@ -53,7 +53,7 @@ fn a_body_beyond_any_speed_is_a_fault_and_a_fast_one_is_not() {
         body.velocities.fill(Vector3::new(speed_m_s, 0.0, 0.0));
         body.still = 0;
         let state = &world.state;
-        world.scene.prepare_body(0, state, &mut world.scratch);
+        world.scene.prepare(state, &mut world.scratch);
         let fault = world.silent().fault;
         let wanted = apart.then_some(TickFault::CameApart { body: 0 });
         assert_eq!(fault, wanted, "{speed_m_s} m/s");

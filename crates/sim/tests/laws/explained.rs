@@ -77,7 +77,7 @@ fn a_free_ball_between_a_floor_and_a_tool_carries_the_solution_of_two_equations(
         let start = [0.0, 0.0, touching_m + 0.001];
         let mut world = free_ball(height_m, density, &[("hand", start, stiffness)]);
         explain(&mut world, &[start]);
-        let mass_kg = world.scene.rigid_motion(&world.state, 1).unwrap().mass_kg;
+        let mass_kg = world.state.rigid_motion(&world.scene, 1).unwrap().mass_kg;
         let (a, c) = (1e-6 / mass_kg, 1.0 / stiffness);
         let (_, explanation) = explain(&mut world, &[[0.0, 0.0, touching_m - in_m]]);
         let under = (explanation.rows.iter()).find(|row| {
@@ -123,7 +123,7 @@ fn two_tools_on_a_free_ball_carry_the_solution_of_two_equations() {
         let tools = [("left", left, stiffness[0]), ("right", right, stiffness[1])];
         let mut world = free_ball(height_m, density, &tools);
         explain(&mut world, &[left, right]);
-        let mass_kg = world.scene.rigid_motion(&world.state, 1).unwrap().mass_kg;
+        let mass_kg = world.state.rigid_motion(&world.scene, 1).unwrap().mass_kg;
         let a = 1e-6 / mass_kg;
         let [k, l] = stiffness.map(|stiffness| a + 1.0 / stiffness);
         let (_, explanation) = explain(&mut world, &[at(-1.0, in_m[0]), at(1.0, in_m[1])]);

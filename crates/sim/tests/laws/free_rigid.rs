@@ -52,7 +52,7 @@ fn rub(a: &str, b: &str, mu: f64) -> String {
 }
 
 fn motion(world: &World, body: usize) -> RigidMotion {
-    world.scene.rigid_motion(&world.state, body).unwrap()
+    world.state.rigid_motion(&world.scene, body).unwrap()
 }
 
 fn run(world: &mut World, ticks: usize) {
@@ -115,7 +115,7 @@ fn a_tumbling_body_keeps_its_momenta_and_its_energy_and_flips() {
         worst = worst.max((now.energy_j / start.energy_j - 1.0).abs());
         assert_eq!(now.momentum, start.momentum);
         assert_eq!(now.velocity_m_s, start.velocity_m_s);
-        let there = world.scene.carried_point(&world.state, 0, &axis[far]) - now.centre;
+        let there = world.state.carried_point(&world.scene, 0, &axis[far]) - now.centre;
         let along = there.y / (axis[far].y - start.centre.y);
         if (along < -0.8 && up) || (along > 0.8 && !up) {
             (flips, up) = (flips + 1, !up);
@@ -147,7 +147,7 @@ fn a_spinning_body_loses_nothing_of_its_spin() {
         now.spin_rad_s
     );
     // Ten turns later every point is back.
-    let back = world.scene.carried_point(&world.state, 0, &mark);
+    let back = world.state.carried_point(&world.scene, 0, &mark);
     assert!((back - mark).norm() < 1e-5, "{}", (back - mark).norm());
 }
 
@@ -195,7 +195,7 @@ fn a_ring_that_friction_holds_lies_still_without_creep() {
     );
     let ticks = (0..3_000).find(|_| {
         world.at_in_place(FAR);
-        world.scene.is_left_alone(&world.state, 1)
+        world.state.is_left_alone(1)
     });
     let lay = motion(&world, 1);
     println!("left alone after {ticks:?} ticks at {}", lay.centre);

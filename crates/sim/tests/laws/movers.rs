@@ -61,8 +61,8 @@ fn a_block_is_carried_up_by_its_plate() {
     for k in 0..1_600 {
         step(&world.scene, &mut world.state, &mut world.scratch, &input);
         let plate = world
-            .scene
-            .carried_point(&world.state, 0, &Point3::origin())
+            .state
+            .carried_point(&world.scene, 0, &Point3::origin())
             .z;
         let mut surface = world.scene.rest_surface(1).clone();
         world
@@ -124,12 +124,12 @@ fn a_carried_body_follows_its_device_and_replays_to_the_bit() {
     let mut whole = World::new(text);
     let hashes = run(&mut whole, 0..400);
     let rest = Point3::new(0.05, 0.02, 0.1);
-    let carried = whole.scene.carried_point(&whole.state, 0, &rest);
+    let carried = whole.state.carried_point(&whole.scene, 0, &rest);
     let expected = Point3::from(place(399)) + turn(399) * rest.coords;
     assert!((carried - expected).norm() < 1e-12, "{carried} {expected}");
     let sent = whole
-        .scene
-        .carried_point(&whole.state, 1, &Point3::new(0.0, 0.0, 0.3));
+        .state
+        .carried_point(&whole.scene, 1, &Point3::new(0.0, 0.0, 0.3));
     assert_eq!(sent, Point3::new(0.0, 0.1, 0.2));
     // Stopped in the middle of the way of a command, saved, and gone on with elsewhere.
     let mut half = World::new(text);
@@ -148,16 +148,16 @@ fn a_carried_body_follows_its_device_and_replays_to_the_bit() {
         &mut other.scratch,
         Command::Pause,
     );
-    let before = other.scene.carried_point(&other.state, 0, &rest);
+    let before = other.state.carried_point(&other.scene, 0, &rest);
     run(&mut other, 0..5);
-    assert_eq!(other.scene.carried_point(&other.state, 0, &rest), before);
+    assert_eq!(other.state.carried_point(&other.scene, 0, &rest), before);
     apply(
         &other.scene,
         &mut other.state,
         &mut other.scratch,
         Command::Reset,
     );
-    assert_eq!(other.scene.carried_point(&other.state, 0, &rest), rest);
+    assert_eq!(other.state.carried_point(&other.scene, 0, &rest), rest);
 }
 
 // A device that appears a metre away does not tear the body there in a tick.
@@ -170,8 +170,8 @@ fn a_carried_body_comes_no_faster_than_bodies_go() {
     for k in 0..200 {
         world.at([0.0, 0.0, 1.0]);
         let z = world
-            .scene
-            .carried_point(&world.state, 0, &Point3::origin())
+            .state
+            .carried_point(&world.scene, 0, &Point3::origin())
             .z;
         assert!(z - before < 0.0101, "tick {k}: {} m", z - before);
         before = z;

@@ -39,7 +39,7 @@ pub struct Warm {
 
 impl Warm {
     /// None yet, with room for so many.
-    pub(super) fn with_room(most: usize) -> Self {
+    pub(crate) fn with_room(most: usize) -> Self {
         Self {
             rows: vec![WarmRow::default(); most],
             len: 0,
@@ -60,18 +60,18 @@ impl Warm {
     }
 
     /// No rows, and no trace of them.
-    pub(super) fn forget(&mut self) {
+    pub(crate) fn forget(&mut self) {
         self.rows.fill(WarmRow::default());
         (self.len, self.friction, self.arms) = (0, false, false);
     }
 
     /// No rows; what follows is pushed in order.
-    pub(super) fn begin(&mut self) {
+    pub(crate) fn begin(&mut self) {
         (self.len, self.friction, self.arms) = (0, false, false);
     }
 
     /// The next one.
-    pub(super) fn push(&mut self, row: WarmRow) {
+    pub(crate) fn push(&mut self, row: WarmRow) {
         debug_assert!(
             self.rows().last().is_none_or(|last| last.id < row.id),
             "rows that are kept are out of order"
@@ -81,7 +81,7 @@ impl Warm {
     }
 
     /// Puts others, in order, among them; those that find no room are left out.
-    pub(super) fn merge(&mut self, others: &[WarmRow]) {
+    pub(crate) fn merge(&mut self, others: &[WarmRow]) {
         // From behind: both lists are ordered, and there is room.
         let (mut from, mut kept) = (self.len, others.len());
         let mut to = (from + kept).min(self.rows.len());
@@ -100,7 +100,7 @@ impl Warm {
     }
 
     /// As long as can be.
-    pub(super) fn fill(&mut self) {
+    pub(crate) fn fill(&mut self) {
         (self.len, self.friction, self.arms) = (self.rows.len(), true, true);
         for row in &mut self.rows {
             row.id.key = RowKey::Foot(0);

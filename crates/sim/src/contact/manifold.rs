@@ -7,7 +7,8 @@
 //! wherever the tool has rolled to meanwhile.
 
 use super::feet::{MAX_FEET, Way, push_foot};
-use super::{BodyScratch, WarmRow};
+use super::warm::WarmRow;
+use crate::party::BodyScratch;
 use crate::scene::Pair;
 use crate::solve::row_key::{FEET_OF_PAIR, RowKey};
 use crate::solve::rows::RowSet;

@@ -12,15 +12,18 @@ use super::between::{bodies, itself};
 use super::feet::{MAX_FEET, Way, margin_m, meet, moving, push_foot, push_sample};
 use super::follow::{Follow, Treader, push_feet};
 use super::manifold::{Stance, push_manifold};
-use super::{PairState, SceneState, Scratch};
-use super::{bounce, dent, grip, rest, stick};
+use super::search::{PairState, Search};
+use super::warm::WarmRow;
+use super::{bounce, dent, grip, stick};
 use crate::haptics::LinkPhase;
-use crate::party::{Around, view};
-use crate::scene::{Pair, Scene};
+use crate::party::view;
+use crate::rest;
+use crate::scene::Pair;
 use crate::solve::indentation::Touch;
 use crate::solve::proxy::BallContact;
 use crate::solve::row_key::RowKey;
 use crate::solve::rows::{Approach, DeformingView, Holder, RowSet};
+use crate::tick::record::ContactReport;
 use palpate_geometry::basis::BasisWindow;
 use palpate_geometry::contact::dispatch::Method;
 use palpate_geometry::contact::exact::ball::signed_gap;
@@ -45,115 +48,124 @@ const SAME_FOOT: f64 = 1e-3;
 /// Feet closer than this, relative to the body's size, are one.
 const SAME: f64 = 1e-6;
 
-/// Moves the proxies on the surfaces as they stand and writes the rows of the contact problem; `moving`
-/// unless bodies stand still in this tick.
-pub(super) fn gather(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, moving: bool) {
-    scratch.rows.clear();
-    scratch.solver.touches.fill(Touch::default());
-    super::near::find(
-        scene,
-        &state.tools,
-        &scratch.tools,
-        &scratch.bodies,
-        &mut scratch.near,
-    );
-    grip::update(scene, &mut state.tools, &scratch.bodies);
-    let around = Around {
-        tools: &state.tools,
-        field: scene.field(&state.frame),
-        moving,
-    };
-    rest::settle(
-        scene,
-        &around,
-        &mut state.bodies,
-        &mut scratch.bodies,
-        &scratch.near,
-        &mut scratch.rest,
-    );
-    scratch.rest.rows.clear();
+/// Moves the proxies on the surfaces as they stand and writes the rows of the contact problem.
+pub(crate) fn find(search: &mut Search<'_>) {
+    let scene = search.scene;
+    search.rows.clear();
+    search.touches.fill(Touch::default());
+    search.rest.rows.clear();
     for (p, pair) in scene.pairs.iter().enumerate() {
-        scratch.rows.begin_pair();
+        search.rows.begin_pair();
         if let Some(t) = pair.tool() {
             grip::push_anchors(
                 scene,
-                (t, &state.tools[t]),
-                (p, state.pairs[p].proxy.below),
-                &scratch.tools[t],
-                &scratch.bodies[pair.body],
-                &mut scratch.rows,
+                (t, &search.tools[t]),
+                (p, search.pairs[p].proxy.below),
+                &search.tool_parts[t],
+                &search.bodies[pair.body],
+                search.rows,
             );
         }
-        if rest::lies(scene, state, scratch, pair) {
-            rest::keep(scene, state, scratch, p);
+        if rest::lies(scene, search.states, search.bodies, pair) {
+            keep(search, p);
             continue;
         }
-        rest::wake(scratch, p);
-        if !scratch.near.is_near(p) {
-            let (low, high) = &scratch.bodies[pair.body].bounds;
+        search.rest.wake(p);
+        if !search.near.is_near(p) {
+            let (low, high) = &search.bodies[pair.body].bounds;
             // The point of the holder that says on which side of the body it is.
             let place = match pair.holder {
-                Holder::Tool(t) => scratch.tools[t as usize].free,
-                Holder::Body(other) => scratch.bodies[other as usize].surface.net().points()[0],
+                Holder::Tool(t) => search.tool_parts[t as usize].free,
+                Holder::Body(other) => search.bodies[other as usize].surface.net().points()[0],
             };
             let away_m = distance_squared_to_box(&place, low, high).sqrt();
-            let PairState { proxy, thinned } = &mut state.pairs[p];
+            let PairState { proxy, thinned } = &mut search.pairs[p];
             proxy.leave(&place, away_m);
             *thinned = 0;
-            scratch.rows.end_pair();
+            search.rows.end_pair();
             continue;
         }
         let mut dents = None;
         match pair.holder {
             Holder::Tool(t) => {
                 let t = t as usize;
-                if state.tools[t].link.phase == LinkPhase::Absent {
+                if search.tools[t].link.phase == LinkPhase::Absent {
                     continue;
                 }
                 match scene.tools[t].shape.ball_radius_m() {
                     Some(radius_m) if pair.method == Method::Exact => {
-                        ball(scene, state, scratch, p, t, radius_m);
+                        ball(search, p, t, radius_m);
                         // A point has no patch.
                         dents = Some(radius_m).filter(|radius_m| *radius_m > 0.0);
                     }
-                    _ => shape(scene, state, scratch, p, t),
+                    _ => shape(search, p, t),
                 }
             }
-            Holder::Body(other) if other as usize == pair.body => itself(scene, scratch, p),
-            Holder::Body(other) => bodies(scene, state, scratch, p, other as usize),
+            Holder::Body(other) if other as usize == pair.body => itself(search, p),
+            Holder::Body(other) => bodies(search, p, other as usize),
         }
-        scratch.rows.end_pair();
+        search.rows.end_pair();
         if let Some(radius_m) = dents {
-            dent::touch(
-                scene,
-                &state.warm,
-                &scratch.rows,
-                &mut scratch.solver,
-                p,
-                radius_m,
-            );
+            dent::touch(scene, search.warm, search.rows, search.touches, p, radius_m);
         }
     }
-    bounce::meet(scene, &mut scratch.rows.rows);
+    bounce::meet(scene, &mut search.rows.rows);
+}
+
+/// Keeps the rows of a pair that is left alone, and sees to it that they can be reported.
+fn keep(search: &mut Search<'_>, p: usize) {
+    let own = |row: &&WarmRow| row.id.pair as usize == p;
+    search.rest.rows.extend(search.warm.of_pair(p));
+    if search.rest.reported[p] {
+        return;
+    }
+    search.rest.reported[p] = true;
+    let Holder::Body(other) = search.scene.pairs[p].holder else {
+        return;
+    };
+    // Looks once more, and leaves no trace but the reports.
+    let before = search.pairs[p];
+    bodies(search, p, other as usize);
+    search.pairs[p] = before;
+    let Search { rest, rows, .. } = search;
+    for row in rows.of_pair() {
+        let mut kept = rest.rows.iter().filter(own);
+        let Some(kept) = kept.find(|kept| kept.id == row.id && kept.force_n > 0.0) else {
+            continue;
+        };
+        let report = ContactReport {
+            body: row.body,
+            holder: row.holder,
+            u: row.u,
+            v: row.v,
+            point: row.point,
+            normal: row.normal,
+            depth_m: -row.now_m,
+            force_n: row.normal * kept.force_n + kept.tangent_n,
+        };
+        if rest.reports.len() < rest.reports.capacity() {
+            let at = rest.reports.partition_point(|(pair, _)| *pair <= p as u32);
+            rest.reports.insert(at, (p as u32, report));
+        }
+    }
+    rows.drop_pair();
 }
 
 /// A point or a sphere: its proxy on the exact surface.
-fn ball(
-    scene: &Scene,
-    state: &mut SceneState,
-    scratch: &mut Scratch,
-    p: usize,
-    t: usize,
-    radius_m: f64,
-) {
-    let Scratch {
-        tools,
+fn ball(search: &mut Search<'_>, p: usize, t: usize, radius_m: f64) {
+    let Search {
+        scene,
+        tools: states,
+        states: body_states,
+        warm,
+        pairs: pair_states,
+        tool_parts: tools,
         bodies,
-        pairs,
+        narrow: pairs,
         rows,
         hits,
         ..
-    } = scratch;
+    } = search;
     let pair = &scene.pairs[p];
     let body = &scene.bodies[pair.body];
     let parts = &mut bodies[pair.body];
@@ -161,28 +173,28 @@ fn ball(
     // Free motion of the body may close a gap within the tick.
     let closing = moving(body, parts);
     let near = margin + closing;
-    let last = state.tools[t].proxy;
-    let touched = state.pairs[p].proxy.touching;
+    let last = states[t].proxy;
+    let touched = pair_states[p].proxy.touching;
     let mut target = tools[t].proxy;
-    if state.tools[t].grip.holds() {
+    if states[t].grip.holds() {
         // Held where it is, not where the device pulls it.
         target = last;
     } else if touched && pair.friction.is_some() {
         target = stick::ball_target(
-            &state.pairs[p].proxy,
+            &pair_states[p].proxy,
             &parts.surface,
             &last,
             &target,
             radius_m,
-            stick::coefficient(pair, p, &state.warm),
+            stick::coefficient(pair, p, warm),
         );
     }
-    let PairState { proxy, thinned } = &mut state.pairs[p];
+    let PairState { proxy, thinned } = &mut pair_states[p];
     let sided = parts.sided(body);
     let held = BallContact { sided, radius_m }.constrain(
         &last,
         &target,
-        state.bodies[pair.body].moved_m,
+        body_states[pair.body].moved_m,
         proxy,
     );
     tools[t].proxy = held.centre;
@@ -252,7 +264,7 @@ fn ball(
         every,
         beside_m: beside_m(&scene.tools[t].shape, body.size_m),
     };
-    let warm = state.warm.rows();
+    let warm = warm.rows();
     push_feet(rows, p, pair, feet, warm, parts, &view, &tool, way, look);
 }
 
@@ -326,15 +338,20 @@ impl Stand {
 }
 
 /// Tools other than balls, and all on the `spheres` method.
-fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize, t: usize) {
-    let Scratch {
-        tools,
+fn shape(search: &mut Search<'_>, p: usize, t: usize) {
+    let Search {
+        scene,
+        tools: states,
+        states: body_states,
+        warm,
+        pairs: pair_states,
+        tool_parts: tools,
         bodies,
-        pairs,
+        narrow: pairs,
         rows,
         hits,
         ..
-    } = scratch;
+    } = search;
     let pair = &scene.pairs[p];
     let (tool, body) = (&scene.tools[t], &scene.bodies[pair.body]);
     let parts = &mut bodies[pair.body];
@@ -345,15 +362,15 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
     let margin = margin_m(0.0, body.size_m);
     // Free motion of the body may close a gap within the tick.
     let closing = moving(body, parts);
-    let mu = stick::coefficient(pair, p, &state.warm);
+    let mu = stick::coefficient(pair, p, warm);
     let last = Stand {
-        place: state.tools[t].proxy,
-        rotation: state.tools[t].orientation,
+        place: states[t].proxy,
+        rotation: states[t].orientation,
     };
-    let PairState { proxy, thinned } = &mut state.pairs[p];
+    let PairState { proxy, thinned } = &mut pair_states[p];
     let touched = proxy.touching;
     let scratch_pair = &mut pairs[p];
-    let gripped = state.tools[t].grip.holds();
+    let gripped = states[t].grip.holds();
     // A half-space looks the same from everywhere: its contacts are those where it is going to be.
     // A tool that the device turns is looked at as it is turned.
     let mut anchor = if tool.shape.is_plane() && !gripped {
@@ -367,7 +384,7 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
     // How far the farthest point of the tool goes when it turns by one rad.
     let lever = tool.shape.reach_m().unwrap_or(body.size_m);
     if body.two_sided {
-        let moved_m = state.bodies[pair.body].moved_m;
+        let moved_m = body_states[pair.body].moved_m;
         let mut sided = parts.sided(body);
         if proxy.touching {
             let foot = sided.solver.closest(sided.surface, &anchor.place);
@@ -447,7 +464,7 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
             push_sample(rows, p, pair, hit, &view, way, margin);
         }
     }
-    let warm = state.warm.rows();
+    let warm = warm.rows();
     let edges_known = tool.shape.features().is_some();
     if view.is_none() && (edges_known || tool.coupling.turns()) {
         let side = if proxy.below { -1.0 } else { 1.0 };

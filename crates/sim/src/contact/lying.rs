@@ -19,7 +19,7 @@ use palpate_geometry::math::Vector3;
 const ASIDE: f64 = 1e-6;
 
 /// Nearer than this a contact is remembered, m.
-pub(super) fn near_m(scene: &Scene, row: &Row) -> f64 {
+pub(crate) fn near_m(scene: &Scene, row: &Row) -> f64 {
     let size = |body: u32| scene.bodies[body as usize].size_m;
     let own = size(row.body);
     let other = match row.holder {
@@ -30,7 +30,7 @@ pub(super) fn near_m(scene: &Scene, row: &Row) -> f64 {
 }
 
 /// Where a row touches a free holder, from its centre of mass in its principal axes, m.
-pub(super) fn on_holder(scene: &Scene, bodies: &[BodyScratch], row: &Row) -> Option<Vector3> {
+pub(crate) fn on_holder(scene: &Scene, bodies: &[BodyScratch], row: &Row) -> Option<Vector3> {
     let Holder::Body(other) = row.holder else {
         return None;
     };
@@ -39,7 +39,7 @@ pub(super) fn on_holder(scene: &Scene, bodies: &[BodyScratch], row: &Row) -> Opt
 }
 
 /// The contact of a point that touched in the last tick, where it now is; `side` is −1 below a sheet.
-pub(super) fn again(
+pub(crate) fn again(
     remembered: &WarmRow,
     holder: &Gives,
     on: &BodyScratch,

@@ -1,22 +1,23 @@
 //! Grips: made where a tool touches while its button is down, held as rows, let go.
 
 use super::feet::{margin_m, push_anchor};
-use super::record::ToolOutput;
-use super::{BodyScratch, ToolState, flags};
 use crate::haptics::LinkPhase;
 use crate::party::ToolScratch;
 use crate::party::view;
+use crate::party::{BodyScratch, ToolState};
 use crate::scene::Scene;
 use crate::solve::friction::FrictionLaw;
 use crate::solve::grip::{GRAB, GripState, MAX_ANCHORS, apart_m, strength};
 use crate::solve::row_key::RowKey;
 use crate::solve::rows::{Row, RowSet};
 use crate::solve::solver::Solver;
+use crate::tick::flags;
+use crate::tick::record::ToolOutput;
 use palpate_geometry::contact::{Contact, ToolPoint};
 use palpate_geometry::math::Vector3;
 
 /// Brings the grips in line with the buttons and with where their points have come.
-pub(super) fn update(scene: &Scene, tools: &mut [ToolState], bodies: &[BodyScratch]) {
+pub(crate) fn update(scene: &Scene, tools: &mut [ToolState], bodies: &[BodyScratch]) {
     for ToolState {
         link,
         proxy,
@@ -51,7 +52,7 @@ pub(super) fn update(scene: &Scene, tools: &mut [ToolState], bodies: &[BodyScrat
 }
 
 /// Rows of what tool `t` holds of the body of pair `p`.
-pub(super) fn push_anchors(
+pub(crate) fn push_anchors(
     scene: &Scene,
     (t, state): (usize, &ToolState),
     (p, below): (usize, bool),
@@ -107,7 +108,7 @@ pub(super) fn push_anchors(
 }
 
 /// Grabs what the tool touches now, if its button is down and it has not grabbed yet.
-pub(super) fn take(
+pub(crate) fn take(
     scene: &Scene,
     (t, tool_state): (usize, &mut ToolState),
     rows: &[Row],

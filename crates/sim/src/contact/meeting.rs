@@ -7,7 +7,8 @@
 
 use super::feet::{MAX_FEET, push_between};
 use super::lying;
-use super::{BodyScratch, WarmRow};
+use super::warm::WarmRow;
+use crate::party::BodyScratch;
 use crate::party::Gives;
 use crate::party::RigidStep;
 use crate::scene::Pair;

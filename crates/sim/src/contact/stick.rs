@@ -2,9 +2,10 @@
 //!
 //! Contacts are looked for where it is going to be, not where it would slide without friction; that
 //! is only the place at which the contact problem is made linear, its forces come from
-//! [`super::balance`]. And each row that sticks remembers where.
+//! [`crate::tick::balance`]. And each row that sticks remembers where.
 
-use super::{BodyScratch, Warm, WarmRow};
+use super::warm::{Warm, WarmRow};
+use crate::party::BodyScratch;
 use crate::party::{ToolScratch, view};
 use crate::scene::{Body, Pair, Scene};
 use crate::solve::friction::{FrictionLaw, Stick};
@@ -20,7 +21,7 @@ use palpate_geometry::surface::Surface;
 const ROLLS: f64 = 0.01;
 
 /// Coefficient that counts for pair `p` now: the kinetic one once any of its rows slips.
-pub(super) fn coefficient(pair: &Pair, p: usize, warm: &Warm) -> f64 {
+pub(crate) fn coefficient(pair: &Pair, p: usize, warm: &Warm) -> f64 {
     let Some(friction) = pair.friction else {
         return 0.0;
     };
@@ -32,7 +33,7 @@ pub(super) fn coefficient(pair: &Pair, p: usize, warm: &Warm) -> f64 {
 }
 
 /// What friction leaves of a slide when the surface keeps the tool from going `blocked` as well.
-pub(super) fn held_back(slide: Vector3, blocked: Vector3, mu: f64) -> Vector3 {
+pub(crate) fn held_back(slide: Vector3, blocked: Vector3, mu: f64) -> Vector3 {
     let (length, held) = (slide.norm(), mu * blocked.norm());
     if length > held {
         slide * (1.0 - held / length)
@@ -43,7 +44,7 @@ pub(super) fn held_back(slide: Vector3, blocked: Vector3, mu: f64) -> Vector3 {
 
 /// Where a ball that touches goes when it wants to go to `target`: on its tangent plane at `last`,
 /// as far as friction lets it.
-pub(super) fn ball_target(
+pub(crate) fn ball_target(
     proxy: &ProxyState,
     surface: &Surface,
     last: &Point3,
@@ -70,7 +71,7 @@ pub(super) fn ball_target(
 
 /// How far free motion takes a row past where it sticks, and where that is. `old`: the row in the
 /// last tick.
-pub(super) fn slip(
+pub(crate) fn slip(
     scene: &Scene,
     tools: &[ToolScratch],
     bodies: &[BodyScratch],
@@ -118,7 +119,7 @@ pub(super) fn slip(
 }
 
 /// Where a row of this tick will stick in the next, if it did not slip.
-pub(super) fn kept(i: usize, row: &Row, solver: &Solver) -> Stick {
+pub(crate) fn kept(i: usize, row: &Row, solver: &Solver) -> Stick {
     let Solver {
         friction, sticks, ..
     } = solver;

@@ -1,6 +1,6 @@
 //! How far a ball goes into a solid beyond what the solid's net shows, in a tick.
 
-use super::Warm;
+use super::warm::Warm;
 use crate::scene::Scene;
 use crate::solve::indentation::{Indentation, Resolution, Touch};
 use crate::solve::rows::RowSet;
@@ -12,11 +12,11 @@ use palpate_geometry::math::Vector3;
 /// The place and the direction are those of the last tick's forces: a contact point that hops from one
 /// place to another has no force there yet, so what the ball goes in changes as forces do, not by
 /// the hop.
-pub(super) fn touch(
+pub(crate) fn touch(
     scene: &Scene,
     warm: &Warm,
     rows: &RowSet,
-    solver: &mut Solver,
+    touches: &mut [Touch],
     p: usize,
     radius_m: f64,
 ) {
@@ -49,7 +49,7 @@ pub(super) fn touch(
     let Some((resolution, normal)) = place.mean() else {
         return;
     };
-    solver.touches[p] = Touch {
+    touches[p] = Touch {
         radius_m,
         place: resolution,
         normal,
@@ -58,7 +58,7 @@ pub(super) fn touch(
 }
 
 /// Finds how far balls go in, once it is known how the rows give way, and lets their gaps know.
-pub(super) fn settle(rows: &mut RowSet, solver: &mut Solver) {
+pub(crate) fn settle(rows: &mut RowSet, solver: &mut Solver) {
     let Solver {
         problem,
         touches,

@@ -2,9 +2,8 @@
 
 use super::feet::{MAX_FEET, margin_m, meet, moving, push_between};
 use super::meeting::Meeting;
-use super::{SceneState, Scratch};
+use super::search::Search;
 use crate::party::view;
-use crate::scene::Scene;
 use crate::solve::row_key::RowKey;
 use crate::solve::rows::Approach;
 use palpate_geometry::basis::BasisWindow;
@@ -27,29 +26,27 @@ const SAME: f64 = 0.05;
 
 /// A body against another, the holder: every contact of both surfaces, and samples of each inside
 /// the other.
-pub(super) fn bodies(
-    scene: &Scene,
-    state: &mut SceneState,
-    scratch: &mut Scratch,
-    p: usize,
-    other: usize,
-) {
-    let Scratch {
+pub(super) fn bodies(search: &mut Search<'_>, p: usize, other: usize) {
+    let Search {
+        scene,
+        states,
+        warm,
+        pairs: pair_states,
         bodies,
-        pairs,
+        narrow: pairs,
         rows,
         hits,
         ..
-    } = scratch;
+    } = search;
     let pair = &scene.pairs[p];
     let (my_body, their_body) = (&scene.bodies[pair.body], &scene.bodies[other]);
     let Ok([mine, theirs]) = bodies.get_disjoint_mut([pair.body, other]) else {
         return;
     };
-    let proxy = &mut state.pairs[p].proxy;
+    let proxy = &mut pair_states[p].proxy;
     if my_body.two_sided && their_body.two_sided && !proxy.touching {
         let corner = theirs.surface.net().points()[0];
-        let moved_m = state.bodies[pair.body].moved_m;
+        let moved_m = states[pair.body].moved_m;
         mine.sided(my_body).look(&corner, moved_m, proxy);
     }
     // Free motion may close a gap within the tick.
@@ -68,7 +65,7 @@ pub(super) fn bodies(
     }
     // Nothing goes deeper in a tick than it moves: what seems to lies beside a fold, where a surface
     // that was crushed has its outside in.
-    let moved_m = state.bodies[pair.body].moved_m + state.bodies[other].moved_m;
+    let moved_m = states[pair.body].moved_m + states[other].moved_m;
     let sudden_m = SUDDEN * my_body.size_m.min(their_body.size_m);
     let most_m = proxy.deepest_m + moved_m + sudden_m;
     if proxy.met {
@@ -203,18 +200,19 @@ pub(super) fn bodies(
             .filter(|_| views.iter().all(Option::is_none)),
         side: contacts.first().map_or(1.0, side_of),
     };
-    let warm = state.warm.rows();
+    let warm = warm.rows();
     meeting.push_feet(rows, contacts, warm);
 }
 
 /// A body against itself: the places where it meets itself from outside.
-pub(super) fn itself(scene: &Scene, scratch: &mut Scratch, p: usize) {
-    let Scratch {
+pub(super) fn itself(search: &mut Search<'_>, p: usize) {
+    let Search {
+        scene,
         bodies,
-        pairs,
+        narrow: pairs,
         rows,
         ..
-    } = scratch;
+    } = search;
     let pair = &scene.pairs[p];
     let body = &scene.bodies[pair.body];
     let parts = &mut bodies[pair.body];

@@ -1,6 +1,6 @@
 //! From contacts to rows: which parties hold them, and how far free motion takes each.
 
-use super::BodyScratch;
+use crate::party::BodyScratch;
 use crate::party::{RigidStep, view};
 use crate::scene::{Body, Pair};
 use crate::solve::friction::FrictionLaw;
@@ -14,7 +14,7 @@ pub(super) const MAX_FEET: usize = 16;
 
 /// Rows join a little before they touch, so that a bulge is met by a row in the tick in which it
 /// rises.
-pub(super) fn margin_m(radius_m: f64, size_m: f64) -> f64 {
+pub(crate) fn margin_m(radius_m: f64, size_m: f64) -> f64 {
     if radius_m > 0.0 {
         0.02 * radius_m
     } else {
@@ -23,7 +23,7 @@ pub(super) fn margin_m(radius_m: f64, size_m: f64) -> f64 {
 }
 
 /// How far free motion takes any control point of a body within the tick, m.
-pub(super) fn moving(body: &Body, parts: &BodyScratch) -> f64 {
+pub(crate) fn moving(body: &Body, parts: &BodyScratch) -> f64 {
     let Some(view) = view(body, parts) else {
         return parts.step.most_m;
     };
@@ -36,13 +36,13 @@ pub(super) fn moving(body: &Body, parts: &BodyScratch) -> f64 {
 }
 
 /// Two boxes come nearer than `margin_m`.
-pub(super) fn meet((a, b): &(Point3, Point3), low: &Point3, high: &Point3, margin_m: f64) -> bool {
+pub(crate) fn meet((a, b): &(Point3, Point3), low: &Point3, high: &Point3, margin_m: f64) -> bool {
     (0..3).all(|c| low[c] <= b[c] + margin_m && high[c] >= a[c] - margin_m)
 }
 
 /// How far a tool goes within the tick, seen from where its contacts were looked for.
 #[derive(Clone, Copy)]
-pub(super) struct Way {
+pub(crate) struct Way {
     /// Its reference point there, m.
     pub from: Point3,
     /// How it is turned there.
@@ -89,7 +89,7 @@ impl Way {
 }
 
 /// A row of a tool at a contact of its pair, its own compliance enlarged by `ease` times itself.
-pub(super) fn push_foot(
+pub(crate) fn push_foot(
     rows: &mut RowSet,
     p: usize,
     pair: &Pair,
@@ -125,7 +125,7 @@ pub(super) fn push_foot(
 }
 
 /// A row of a tool at a sample of a deforming body.
-pub(super) fn push_sample(
+pub(crate) fn push_sample(
     rows: &mut RowSet,
     p: usize,
     pair: &Pair,
@@ -160,7 +160,7 @@ pub(super) fn push_sample(
 
 /// A row that holds a point of a tool to a point of a body; `contact` says which, `away` leads from
 /// the body's to where the tool's is free to go, `arm` there from the tool's reference point.
-pub(super) fn push_anchor(
+pub(crate) fn push_anchor(
     rows: &mut RowSet,
     p: usize,
     pair: &Pair,
@@ -183,7 +183,7 @@ pub(super) fn push_anchor(
 }
 
 /// A row between two bodies, `views[0]` of the pair's body and `views[1]` of its holder.
-pub(super) fn push_between(
+pub(crate) fn push_between(
     rows: &mut RowSet,
     p: usize,
     pair: &Pair,

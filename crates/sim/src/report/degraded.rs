@@ -1,14 +1,15 @@
 //! Forces that are less accurate than the scene asks for.
 
-use super::record::TickOutput;
-use super::{BodyScratch, flags, quality};
+use crate::party::BodyScratch;
 use crate::scene::Scene;
 use crate::solve::rows::{Holder, Row};
 use crate::solve::solver::Solver;
+use crate::tick::record::TickOutput;
+use crate::tick::{flags, quality};
 
 /// Flags the tools that press on a body whose step does less than the scene asks for, or on one that presses
 /// on such a body.
-pub(super) fn mark(
+pub(crate) fn mark(
     scene: &Scene,
     bodies: &[BodyScratch],
     rows: &[Row],

@@ -6,18 +6,16 @@
 //! tool or a body, comes near one of those they may lean on. The forces of their contacts stay in the
 //! state; what is reported of them is computed once.
 
-use super::between::bodies;
-use super::record::ContactReport;
-use super::resting::Rest;
-use super::scratch::Near;
-use super::{SceneState, Scratch, WarmRow};
+use crate::contact::near::Near;
+use crate::contact::warm::WarmRow;
 use crate::haptics::LinkPhase;
 use crate::party::{Around, BodyScratch, BodyState};
 use crate::scene::{Pair, Scene};
 use crate::solve::rows::Holder;
+use crate::tick::record::ContactReport;
 
 /// Settles which bodies are left alone in this tick. Pairs that can touch are marked.
-pub(super) fn settle(
+pub(crate) fn settle(
     scene: &Scene,
     around: &Around<'_>,
     bodies: &mut [BodyState],
@@ -75,61 +73,62 @@ fn moves(state: &BodyState, parts: &BodyScratch) -> bool {
 }
 
 /// Both bodies of a pair are left alone, or one and the other is rigid and stands still.
-pub(super) fn lies(scene: &Scene, state: &SceneState, scratch: &Scratch, pair: &Pair) -> bool {
+pub(crate) fn lies(
+    scene: &Scene,
+    states: &[BodyState],
+    parts: &[BodyScratch],
+    pair: &Pair,
+) -> bool {
     let Holder::Body(other) = pair.holder else {
         return false;
     };
     let firm = |b: usize| scene.bodies[b].is_firm();
     let still = |b: usize| match firm(b) {
-        true => state.bodies[b].moved_m == 0.0 && scratch.bodies[b].step.most_m == 0.0,
-        false => state.bodies[b].is_left_alone(),
+        true => !moves(&states[b], &parts[b]),
+        false => states[b].is_left_alone(),
     };
     let (a, b) = (pair.body, other as usize);
     still(a) && still(b) && !(firm(a) && firm(b))
 }
 
-/// Keeps the rows of a pair that is left alone, and sees to it that they can be reported.
-pub(super) fn keep(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize) {
-    let own = |row: &&WarmRow| row.id.pair as usize == p;
-    scratch.rest.rows.extend(state.warm.of_pair(p));
-    if scratch.rest.reported[p] {
-        return;
-    }
-    scratch.rest.reported[p] = true;
-    let Holder::Body(other) = scene.pairs[p].holder else {
-        return;
-    };
-    // Looks once more, and leaves no trace but the reports.
-    let before = state.pairs[p];
-    bodies(scene, state, scratch, p, other as usize);
-    state.pairs[p] = before;
-    let Scratch { rest, rows, .. } = scratch;
-    for row in rows.of_pair() {
-        let mut kept = rest.rows.iter().filter(own);
-        let Some(kept) = kept.find(|kept| kept.id == row.id && kept.force_n > 0.0) else {
-            continue;
-        };
-        let report = ContactReport {
-            body: row.body,
-            holder: row.holder,
-            u: row.u,
-            v: row.v,
-            point: row.point,
-            normal: row.normal,
-            depth_m: -row.now_m,
-            force_n: row.normal * kept.force_n + kept.tangent_n,
-        };
-        if rest.reports.len() < rest.reports.capacity() {
-            let at = rest.reports.partition_point(|(pair, _)| *pair <= p as u32);
-            rest.reports.insert(at, (p as u32, report));
-        }
-    }
-    rows.drop_pair();
+/// Buffers; the state says which bodies are left alone.
+#[derive(Debug, Default)]
+pub(crate) struct Rest {
+    /// By body: something moves it, or may.
+    pub awake: Vec<bool>,
+    /// By pair: `reports` holds its contacts.
+    pub reported: Vec<bool>,
+    /// Contacts of pairs left alone, by pair.
+    pub reports: Vec<(u32, ContactReport)>,
+    /// Their rows, in order.
+    pub rows: Vec<WarmRow>,
 }
 
-/// A pair is not left alone.
-pub(super) fn wake(scratch: &mut Scratch, p: usize) {
-    if std::mem::take(&mut scratch.rest.reported[p]) {
-        scratch.rest.reports.retain(|(pair, _)| *pair != p as u32);
+impl Rest {
+    pub(crate) fn new(scene: &Scene) -> Self {
+        let between = |pair: &&Pair| matches!(pair.holder, Holder::Body(_));
+        let most = match scene.pairs.iter().filter(between).count() {
+            0 => 0,
+            _ => scene.most_rows(),
+        };
+        Self {
+            awake: vec![false; scene.bodies.len()],
+            reported: vec![false; scene.pairs.len()],
+            reports: Vec::with_capacity(most),
+            rows: Vec::with_capacity(most),
+        }
+    }
+
+    /// What it holds is of another state.
+    pub(crate) fn forget(&mut self) {
+        self.reported.fill(false);
+        self.reports.clear();
+        self.rows.clear();
+    }
+    /// A pair is not left alone.
+    pub(crate) fn wake(&mut self, p: usize) {
+        if std::mem::take(&mut self.reported[p]) {
+            self.reports.retain(|(pair, _)| *pair != p as u32);
+        }
     }
 }

@@ -5,18 +5,18 @@
 //! computed here from the parties alone, beside the matrix that the solve used, and a debug build
 //! compares both.
 
-use super::balance::Balance;
-use super::record::TickOutput;
 use crate::body::FallBack;
 use crate::party::{Begun, BodyScratch, BodyState, Party as _};
 use crate::scene::Scene;
 use crate::solve::friction::FrictionLaw;
 use crate::solve::rows::{Holder, Row};
+use crate::tick::balance::Balance;
+use crate::tick::record::TickOutput;
 use palpate_geometry::math::Vector3;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Why the forces of one tick are what they are. Made by [`step_explained`](super::step_explained).
+/// Why the forces of one tick are what they are. Made by [`step_explained`](crate::tick::step_explained).
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Explanation {
     /// The tick.
@@ -42,7 +42,7 @@ pub struct ToolExplained {
     pub contact_force_n: [f64; 3],
     /// Share of it that the device's limits let through.
     pub borne: f64,
-    /// Bits of [`flags`](super::flags).
+    /// Bits of [`flags`](crate::tick::flags).
     pub flags: u32,
 }
 
@@ -101,7 +101,7 @@ pub struct BodyExplained {
 }
 
 /// The tick after contact has been solved and before bodies move.
-pub(super) fn of_contact(balance: &mut Balance<'_>, output: &TickOutput) -> Explanation {
+pub(crate) fn of_contact(balance: &mut Balance<'_>, output: &TickOutput) -> Explanation {
     let scene = balance.scene;
     let tools = (0..scene.tool_count()).map(|t| {
         let out = &output.tools[t];
@@ -211,7 +211,7 @@ fn compliance(balance: &mut Balance<'_>, row: &Row) -> ComplianceExplained {
 }
 
 /// The steps of a tick whose contact has been solved, before they are taken.
-pub(super) fn steps(
+pub(crate) fn steps(
     scene: &Scene,
     states: &[BodyState],
     parts: &[BodyScratch],
@@ -222,7 +222,7 @@ pub(super) fn steps(
 }
 
 /// How those steps ended.
-pub(super) fn of_bodies(
+pub(crate) fn of_bodies(
     scene: &Scene,
     states: &[BodyState],
     moved: bool,

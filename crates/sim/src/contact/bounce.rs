@@ -15,7 +15,7 @@ const REST_TICKS: f64 = 4.0;
 
 /// How rows between rigid bodies, of which one is free, end the tick: what lies inside is not thrown out, and
 /// pairs with a restitution that are going to meet part.
-pub(super) fn meet(scene: &Scene, rows: &mut [Row]) {
+pub(crate) fn meet(scene: &Scene, rows: &mut [Row]) {
     let most_m = PARTING_M_S * scene.dt_s;
     let gravity = Vector3::from(scene.spec.gravity.acceleration);
     let rest_m_s = REST_M_S.max(REST_TICKS * scene.dt_s * gravity.norm());
@@ -54,7 +54,7 @@ fn parting(restitution: f64, meeting_m_s: f64, now_m: f64, pull: f64, dt_s: f64)
 }
 
 /// Two rigid bodies, one of them free.
-pub(super) fn is_between_rigid(scene: &Scene, row: &Row) -> bool {
+pub(crate) fn is_between_rigid(scene: &Scene, row: &Row) -> bool {
     rigid_parties(scene, row).is_some()
 }
 

@@ -1,29 +1,37 @@
 //! What comes out of the contact solve: limited forces for the hands, loads for the bodies, reports
 //! for everybody.
 
-use super::bounce::is_between_rigid;
-use super::feet::margin_m;
-use super::record::{ContactReport, TickOutput, ToolOutput};
-use super::{SceneState, Scratch, ToolState, WarmRow, flags};
-use super::{degraded, grip, load, lying, stick};
 use crate::body::Field;
+use crate::contact::bounce::is_between_rigid;
+use crate::contact::feet::margin_m;
+use crate::contact::warm::{Warm, WarmRow};
+use crate::contact::{grip, lying, stick};
 use crate::haptics::{LinkPhase, Motion, RenderedForce, Wrench, limit};
 use crate::party::{Around, Party as _, torque_limit_nm};
+use crate::party::{BodyScratch, ToolScratch, ToolState};
+use crate::rest::Rest;
 use crate::scene::Scene;
 use crate::solve::friction::FrictionLaw;
 use crate::solve::rows::Row;
+use crate::solve::rows::RowSet;
+use crate::solve::solver::Solver;
+use crate::tick::record::{ContactReport, TickOutput, ToolOutput};
+use crate::tick::{flags, load};
 use palpate_geometry::math::{Vector3, turn_between};
 
-/// Limits the forces, loads the bodies with their opposites, and writes what the tools get.
-pub(super) fn emit(
+/// Limits the forces, and writes what the tools get.
+pub(crate) fn write(
     scene: &Scene,
-    state: &mut SceneState,
-    scratch: &mut Scratch,
+    tools: &mut [ToolState],
+    tool_parts: &mut [ToolScratch],
+    rows: &RowSet,
+    solver: &Solver,
+    rest: &Rest,
     output: &mut TickOutput,
 ) {
     for (t, tool) in scene.tools.iter().enumerate() {
         let own = |row: &&Row| row.tool() == Some(t);
-        let tool_state = &state.tools[t];
+        let tool_state = &tools[t];
         let out = &mut output.tools[t];
         if tool_state.link.phase == LinkPhase::Absent {
             (out.proxy_position, out.proxy_orientation) =
@@ -31,9 +39,9 @@ pub(super) fn emit(
             continue;
         }
         let party = scene.tool_party(t);
-        let tool_state = &mut state.tools[t];
-        let parts = &mut scratch.tools[t];
-        let rendered = party.weigh(tool_state, parts, &scratch.rows, &scratch.solver);
+        let tool_state = &mut tools[t];
+        let parts = &mut tool_parts[t];
+        let rendered = party.weigh(tool_state, parts, rows, solver);
         let still = Around {
             tools: &[],
             field: Field::default(),
@@ -52,16 +60,15 @@ pub(super) fn emit(
         let limit_nm = torque_limit_nm(tool, tool_state);
         let lifted = turn_between(&tool_state.link.pose.orientation, &tool_state.orientation);
         let device = tool_state.link.pose.position;
-        for (i, row) in scratch
-            .rows
+        for (i, row) in rows
             .rows
             .iter()
             .enumerate()
             .filter(|(_, row)| own(row) && !let_go)
         {
-            let lambda = scratch.solver.problem.forces()[i];
-            let (carries, push) = if scratch.solver.is_whole() {
-                let push = scratch.solver.friction.force_n(i);
+            let lambda = solver.problem.forces()[i];
+            let (carries, push) = if solver.is_whole() {
+                let push = solver.friction.force_n(i);
                 (push != Vector3::zeros(), push * factor)
             } else {
                 (lambda > 0.0, row.normal * (lambda * factor))
@@ -73,7 +80,7 @@ pub(super) fn emit(
             let depth_m = row
                 .normal
                 .dot(&(parts.held - device + lifted.cross(&row.arm)))
-                - scratch.solver.gap_after(i);
+                - solver.gap_after(i);
             let report = report(row, depth_m, push);
             if out.contact.is_none_or(|deepest| depth_m > deepest.depth_m) {
                 out.contact = Some(report);
@@ -96,43 +103,32 @@ pub(super) fn emit(
         (out.energy_j, out.dissipated_j) =
             (tool_state.port.energy_j(), tool_state.port.dissipated_j());
     }
-    for (i, row) in scratch
-        .rows
+    for (i, row) in rows
         .rows
         .iter()
         .enumerate()
         .filter(|(_, row)| row.tool().is_none())
     {
-        let lambda = scratch.solver.problem.forces()[i];
+        let lambda = solver.problem.forces()[i];
         if lambda > 0.0 {
-            let push = scratch.solver.force_n(i, row);
-            output.contacts.push(
-                report(row, -scratch.solver.gap_after(i), push),
-                scene.tools.len(),
-            );
+            let push = solver.force_n(i, row);
+            output
+                .contacts
+                .push(report(row, -solver.gap_after(i), push), scene.tools.len());
         }
     }
-    for (_, report) in &scratch.rest.reports {
+    for (_, report) in &rest.reports {
         output.contacts.push(*report, scene.tools.len());
     }
     for t in 0..scene.tools.len() {
         grip::take(
             scene,
-            (t, &mut state.tools[t]),
-            &scratch.rows.rows,
-            &scratch.solver,
+            (t, &mut tools[t]),
+            &rows.rows,
+            solver,
             &mut output.tools[t],
         );
     }
-    let Scratch {
-        bodies,
-        rows,
-        solver,
-        degraded,
-        ..
-    } = &mut *scratch;
-    degraded::mark(scene, bodies, &rows.rows, solver, degraded, output);
-    load_bodies(scene, state, scratch);
 }
 
 /// Adds the damper of the passivity controller, if the tool has one and needs it; what the device
@@ -218,26 +214,34 @@ fn is_near(scene: &Scene, row: &Row, gap_m: f64) -> bool {
 }
 
 /// Forces of all rows on the bodies, and the warm start of the next tick.
-fn load_bodies(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) {
-    state.warm.begin();
+pub(crate) fn load_bodies(
+    scene: &Scene,
+    warm: &mut Warm,
+    tools: &[ToolScratch],
+    bodies: &mut [BodyScratch],
+    rows: &RowSet,
+    solver: &Solver,
+    rest: &Rest,
+) {
+    warm.begin();
     let rubs = |kept: &WarmRow| scene.pairs[kept.id.pair as usize].friction.is_some();
-    state.warm.friction = scratch.solver.is_whole() || scratch.rest.rows.iter().any(rubs);
-    for i in 0..scratch.rows.rows.len() {
-        let row = scratch.rows.rows[i];
+    warm.friction = solver.is_whole() || rest.rows.iter().any(rubs);
+    for i in 0..rows.rows.len() {
+        let row = rows.rows[i];
         let turns = row
             .tool()
             .is_some_and(|tool| scene.tools[tool].coupling.turns());
-        let lasts = scratch.solver.carries(i) || is_near(scene, &row, scratch.solver.gap_after(i));
+        let lasts = solver.carries(i) || is_near(scene, &row, solver.gap_after(i));
         if !lasts {
             continue;
         }
-        state.warm.arms |= turns;
-        let (Row { u, v, on_tool, .. }, force_n) = (row, scratch.solver.problem.forces()[i]);
+        warm.arms |= turns;
+        let (Row { u, v, on_tool, .. }, force_n) = (row, solver.problem.forces()[i]);
         let on_tool = match turns || row.id.key.is_foot() {
-            true => lying::on_holder(scene, &scratch.bodies, &row).unwrap_or(on_tool),
+            true => lying::on_holder(scene, bodies, &row).unwrap_or(on_tool),
             false => Vector3::zeros(),
         };
-        let mut warm = WarmRow {
+        let mut kept = WarmRow {
             id: row.id,
             uv: if row.id.key.is_foot() {
                 [u, v]
@@ -248,20 +252,13 @@ fn load_bodies(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) {
             on_tool,
             ..WarmRow::default()
         };
-        if scratch.solver.is_whole() {
-            warm.tangent_n = scratch.solver.friction.tangent_n(i);
-            warm.slips = scratch.solver.friction.slips(i);
-            warm.stick = stick::kept(i, &row, &scratch.solver);
+        if solver.is_whole() {
+            kept.tangent_n = solver.friction.tangent_n(i);
+            kept.slips = solver.friction.slips(i);
+            kept.stick = stick::kept(i, &row, solver);
         }
-        state.warm.push(warm);
-        let Scratch {
-            tools,
-            bodies,
-            rows,
-            solver,
-            ..
-        } = scratch;
+        warm.push(kept);
         load::push_bodies(scene, rows, solver, tools, bodies, i, 0);
     }
-    state.warm.merge(&scratch.rest.rows);
+    warm.merge(&rest.rows);
 }

@@ -9,7 +9,8 @@
 //! where it carries nothing yet, and the force is as smooth as the tool's way.
 
 use super::feet::{MAX_FEET, Way, push_foot};
-use super::{BodyScratch, WarmRow};
+use super::warm::WarmRow;
+use crate::party::BodyScratch;
 use crate::scene::Pair;
 use crate::solve::row_key::{FEET_OF_PAIR, RowKey};
 use crate::solve::rows::{DeformingView, Row, RowSet};

@@ -1,0 +1,5 @@
+//! What is said of a tick: forces for the hands, reports for all, and why they are what they are.
+
+pub(crate) mod degraded;
+pub mod explain;
+pub(crate) mod outputs;
