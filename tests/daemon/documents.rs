@@ -76,10 +76,10 @@ pub fn blocks() -> Vec<Block> {
 
 /// Kinds of blocks, and for those that are only read the reason in their name.
 const KINDS: [(&str, &[&str]); 9] = [
-    ("text", &[""]),
+    ("text", &["", "output"]), // output: documents_run
     ("sh", &["", "build", "daemon", "npm", "peer", "recording"]), // run by documents_run
-    ("c", &["", "list", "watchdog"]),                             // compiled and run by readmes
-    ("ts", &[""]), // checked and run by clients/web/tests/readme.test.mjs
+    ("c", &["", "list", "watchdog"]), // compiled and run by readmes
+    ("ts", &[""]),             // checked and run by clients/web/tests/readme.test.mjs
     ("rust", &["", "no_run", "no_run,test_harness"]),
     // Run by clients/python/tests/wheel with the installed wheel; `messages` need none (readmes).
     (

@@ -165,6 +165,35 @@ fn run_all(document: &str) {
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
+/// Output as documents show it: lines that begin with `$ ` are run, and each other line is one of those that the
+/// commands print, in their order.
+#[test]
+fn output_is_what_commands_print() {
+    let shown = blocks().into_iter().filter(|block| block.kind == "output");
+    for block in shown {
+        let directory = workplace();
+        let lines = || block.code.lines();
+        let commands: Vec<&str> = lines().filter_map(|line| line.strip_prefix("$ ")).collect();
+        let path = std::env::var("PATH").unwrap_or_default();
+        let done = Command::new("bash")
+            .args(["-e", "-c", &commands.join("\n")])
+            .current_dir(directory.path())
+            .env(
+                "PATH",
+                format!("{}:{path}", directory.path().join("bin").display()),
+            )
+            .env("DOC_PROGRAM", PROGRAM)
+            .output()
+            .unwrap();
+        let printed = String::from_utf8(done.stdout).unwrap();
+        let mut printed_lines = printed.lines().map(str::trim);
+        for line in lines().filter(|line| !line.starts_with("$ ")) {
+            let found = printed_lines.any(|printed| printed == line);
+            assert!(found, "{}: {line:?} is not next in\n{printed}", block.place);
+        }
+    }
+}
+
 fn runnable() -> impl Iterator<Item = Block> {
     blocks().into_iter().filter(|block| {
         block.language == "sh" && !["build", "npm", "peer"].contains(&block.kind.as_str())

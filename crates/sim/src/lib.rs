@@ -10,6 +10,7 @@
 pub mod body;
 pub mod contact;
 pub mod haptics;
+mod in_place;
 pub mod party;
 pub mod report;
 mod rest;

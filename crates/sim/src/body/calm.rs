@@ -41,6 +41,7 @@ impl Outline {
     }
 
     fn moments(&self, rest: &[Point3], positions: &[Point3]) -> Moments {
+        debug_assert_eq!(rest.len(), positions.len(), "a place a coordinate");
         let mut moments = [Vector3::zeros(); 4];
         for (r, x) in rest.iter().zip(positions) {
             let from = r - self.centre;

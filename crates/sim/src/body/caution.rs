@@ -2,6 +2,7 @@
 
 use super::frame::Frame;
 use super::scalar_factor::ScalarWork;
+use crate::in_place::clone_in_place;
 use palpate_geometry::math::{BlockWork, Lane, Rows, Vector3};
 
 /// Fewest and most steps that are left to a firmer matrix once one cannot follow.
@@ -25,20 +26,13 @@ pub struct Caution {
     pub next: u32,
 }
 
-impl Clone for Caution {
-    fn clone(&self) -> Self {
-        let mut copy = Self::default();
-        copy.clone_from(self);
-        copy
-    }
-
-    /// Allocates nothing between states of one body.
-    fn clone_from(&mut self, from: &Self) {
-        self.corrections.clone_from(&from.corrections);
-        (self.level, self.steps, self.next) = (from.level, from.steps, from.next);
-        self.held = from.held;
-    }
-}
+clone_in_place!(Caution {
+    corrections,
+    level,
+    steps,
+    held,
+    next
+});
 
 impl Caution {
     /// That of a body at rest; a body without a tangent needs none.

@@ -90,6 +90,11 @@ impl Deformable {
     /// x*: where the coordinates go in one step without contact; of several iterations, after the
     /// first.
     pub fn predict(&self, state: &DeformableState, scratch: &mut DeformableScratch) {
+        debug_assert_eq!(
+            state.positions.len(),
+            self.coordinate_count(),
+            "a state of another body"
+        );
         if self.asleep(state) {
             if !scratch.at_rest {
                 scratch.predicted.copy_from_slice(&state.positions);
@@ -201,6 +206,11 @@ impl Deformable {
     /// are used up, take the body: x* becomes what [`Deformable::advance`] with the same forces
     /// would end in the same place from.
     pub fn iterate(&self, state: &DeformableState, scratch: &mut DeformableScratch) {
+        debug_assert_eq!(
+            scratch.predicted.len(),
+            self.coordinate_count(),
+            "buffers of another body"
+        );
         let Stepper::Implicit(implicit) = &self.stepper else {
             return self.drop_loads(scratch);
         };
@@ -317,6 +327,7 @@ impl Deformable {
         weight: f64,
         to: &mut [Vector3],
     ) {
+        debug_assert!(coordinate < self.coordinate_count(), "no such coordinate");
         if let Some(unknown) = self.unknown(coordinate)
             && !scratch.implicit.answers_bounding
         {
@@ -331,6 +342,11 @@ impl Deformable {
     /// Brings what contact needs of the scratch in line with a state whose free motion was predicted
     /// with another scratch.
     pub fn follow(&self, state: &DeformableState, scratch: &mut DeformableScratch) {
+        debug_assert_eq!(
+            state.positions.len(),
+            self.coordinate_count(),
+            "a state of another body"
+        );
         scratch.at_rest = false;
         if let Stepper::Implicit(implicit) = &self.stepper {
             self.begin(implicit, state, scratch);
@@ -340,6 +356,11 @@ impl Deformable {
     /// The step with contact forces, which are used up. [`Deformable::predict`] came before, on the
     /// same state.
     pub fn advance(&self, state: &mut DeformableState, scratch: &mut DeformableScratch) {
+        debug_assert_eq!(
+            state.velocities.len(),
+            state.positions.len(),
+            "a velocity a coordinate"
+        );
         if scratch.loaded.is_empty() && self.asleep(state) {
             state.slept += 1;
             return;
@@ -560,6 +581,7 @@ impl Deformable {
 
     /// Adds a force (N) on a coordinate of the net for this step.
     pub fn push(&self, scratch: &mut DeformableScratch, coordinate: usize, force: Vector3) {
+        debug_assert!(coordinate < self.coordinate_count(), "no such coordinate");
         if self.compliance.column[coordinate] == FIXED {
             return;
         }
@@ -572,6 +594,7 @@ impl Deformable {
 
     /// Moves the forces given so far into `loads` (coordinates).
     pub fn take_loads(&self, scratch: &mut DeformableScratch, loads: &mut [Vector3]) {
+        debug_assert_eq!(loads.len(), self.coordinate_count(), "a load a coordinate");
         loads.fill(Vector3::zeros());
         for coordinate in scratch.loaded.drain(..) {
             let coordinate = coordinate as usize;
@@ -583,6 +606,7 @@ impl Deformable {
 
     /// Gives back what [`Deformable::take_loads`] took.
     pub fn give_loads(&self, scratch: &mut DeformableScratch, loads: &[Vector3]) {
+        debug_assert_eq!(loads.len(), self.coordinate_count(), "a load a coordinate");
         for (coordinate, load) in loads
             .iter()
             .enumerate()
@@ -610,6 +634,7 @@ impl Deformable {
     /// Displacements of all free coordinates for a unit force held on one of the net over the step
     /// that the scratch stands for, m/N, by [`Deformable::unknown`]; `None` for a fixed one.
     pub fn compliance_of(&self, scratch: &DeformableScratch, coordinate: usize) -> Option<&[f64]> {
+        debug_assert!(coordinate < self.coordinate_count(), "no such coordinate");
         let column = self.compliance.column[coordinate];
         let n = self.unknown_count();
         let values = self.columns(&scratch.implicit);
@@ -637,6 +662,11 @@ impl Deformable {
 
     /// Sets a state of this body back to rest. Allocates nothing.
     pub fn set_to_rest(&self, state: &mut DeformableState) {
+        debug_assert_eq!(
+            state.positions.len(),
+            self.coordinate_count(),
+            "a state of another body"
+        );
         self.matter.set_to_rest(state);
     }
 

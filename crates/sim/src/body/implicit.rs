@@ -9,7 +9,7 @@
 //! B is the tangent of rest, turned with each coordinate's neighbourhood (stiffness warping), of a sheet
 //! with as much tension as it has; or, where that is too large or too stiff for single precision, a
 //! scalar matrix above every tangent: projective dynamics (Bouaziz et al. 2014). Contact answers by a
-//! third matrix, that of [`MaterialLaw::response_edges`](super::law::MaterialLaw::response_edges), whose
+//! third matrix, that of [`MaterialLaw::edges`](super::elements::MaterialLaw::edges), whose
 //! columns W are scalar; a sheet, by what B itself answers along the normals.
 //! The contact forces of the step before stand in the correction from the start, and W answers for what
 //! they change: x' = y + B⁻¹ (… + F₀) + W (F − F₀).
@@ -17,7 +17,7 @@
 mod matrices;
 
 use super::caution::{BOUNDING, Caution, ImplicitScratch};
-use super::continuum::TANGENT_REACH;
+use super::elements::continuum::TANGENT_REACH;
 use super::frame::{Frame, IDENTITY, from_rest, into_rest};
 use super::frames::Frames;
 use super::look_ahead::LookAhead;
@@ -26,6 +26,7 @@ use super::scalar_factor::ScalarFactor;
 use super::settings::{DeformableError, FallBack, StepMatrix};
 use super::soft_modes::SoftModes;
 use super::state::{DeformableScratch, DeformableState};
+use crate::body::elements::Weight;
 use matrices::{bounding, is_too_stiff, places, scalar_matrix, tangent_of};
 use palpate_geometry::math::{BlockCholesky, Cholesky, Lane, Rows, SymmetricTriplets, Vector3};
 
@@ -123,7 +124,7 @@ impl ImplicitStep {
     /// after [`ImplicitStep::response`], whose columns are of the exact one.
     pub(super) fn round(&mut self, matter: &Matter) {
         let mut stiffest = vec![0.0; matter.unknown_count()];
-        for (i, j, value) in scalar_matrix(matter, &matter.law.edges()).entries {
+        for (i, j, value) in scalar_matrix(matter, &matter.law.edges(Weight::Bounding)).entries {
             if i == j {
                 stiffest[i as usize] += value;
             }
@@ -237,7 +238,9 @@ impl ImplicitStep {
         };
         let of_bounding = |factor: &ScalarFactor| match factor {
             ScalarFactor::Double(factor) => Ok(columns(factor)),
-            ScalarFactor::Single(_) => of(&matter.law.edges()).map(|(columns, _)| columns),
+            ScalarFactor::Single(_) => {
+                of(&matter.law.edges(Weight::Bounding)).map(|(columns, _)| columns)
+            }
         };
         let tangent = match &self.matrix {
             Matrix::Bounding(factor) => {
@@ -252,7 +255,7 @@ impl ImplicitStep {
         if tangent.sheet {
             all.extend(tangent.across_sheet(matter, surface));
         } else {
-            let (columns, matrix) = of(&matter.law.response_edges())?;
+            let (columns, matrix) = of(&matter.law.edges(Weight::Response))?;
             all.push(columns);
             modes = SoftModes::new(&tangent.factors[0], &matrix);
         }
@@ -614,7 +617,7 @@ pub(super) fn greatest_frequency_squared(matter: &Matter) -> f64 {
     let mut sums = vec![0.0; matter.unknown_count()];
     let mut matrix = SymmetricTriplets::new(matter.unknown_count());
     matter.map.add_edges(
-        &matter.law.steepest_edges(),
+        &matter.law.edges(Weight::Steepest),
         |c| matter.unknown(c as usize),
         &mut matrix,
     );

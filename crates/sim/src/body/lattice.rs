@@ -2,14 +2,14 @@
 //! springs along their edges and face diagonals, or with the energy of an elastic solid in them.
 
 use super::cells::CellGrid;
-use super::continuum::{ContinuumError, ContinuumLaw, Elastic, VolumeBarrier};
 use super::deformable::Deformable;
-use super::law::MaterialLaw;
+use super::elements::MaterialLaw;
+use super::elements::continuum::{ContinuumError, ContinuumLaw, Elastic, VolumeBarrier};
+use super::elements::springs::{self, SpringRule};
 use super::material::Material;
 use super::matter::{Blueprint, Grain};
 use super::node_map::NodeMap;
 use super::settings::{DeformableError, StepSettings};
-use super::springs::{self, SpringRule};
 use palpate_geometry::math::Point3;
 
 /// What acts between the nodes of cells.

@@ -8,7 +8,7 @@
 //! equal depths along the inward normals. Either way the surface is exact: no node is fitted to it.
 
 use super::cells::{Cell, CellGrid};
-use super::continuum::refused_cells;
+use super::elements::continuum::refused_cells;
 use super::opposite::{self, Medial};
 use palpate_geometry::math::{Point3, Vector3};
 

@@ -4,14 +4,15 @@
 use super::calm::Calm;
 use super::caution::ImplicitScratch;
 use super::cells::{Cell, CellQuality};
+use super::elements::MaterialLaw;
 use super::field::Field;
-use super::law::MaterialLaw;
 use super::material::Plastic;
 use super::node_map::NodeMap;
 use super::plastic::Flow;
 use super::rigid_velocity::RigidVelocity;
 use super::settings::{DeformableError, StepSettings};
 use super::state::{DeformableScratch, DeformableState};
+use crate::body::elements::Weight;
 use palpate_geometry::math::{Lane, Point3, Rows, Vector3};
 
 /// Marks a fixed coordinate where an index is expected.
@@ -150,6 +151,7 @@ impl Matter {
 
     /// Place of a coordinate among the free ones; `None` if it is fixed.
     pub fn unknown(&self, coordinate: usize) -> Option<usize> {
+        debug_assert!(coordinate < self.rest.len(), "no such coordinate");
         let row = self.unknown[coordinate];
         (row != FIXED).then_some(row as usize)
     }
@@ -286,12 +288,13 @@ impl Matter {
 
     /// Entries of the step's matrix that come from the law, edges at nodes.
     pub fn law_edges(&self) -> Vec<(u32, u32, f64)> {
-        self.law.edges()
+        self.law.edges(Weight::Bounding)
     }
 }
 
 /// Points as rows of registers.
 pub(super) fn lanes(points: &[Point3], out: &mut [Lane]) {
+    debug_assert_eq!(points.len(), out.len(), "a lane a point");
     for (lane, p) in out.iter_mut().zip(points) {
         *lane = [p.x, p.y, p.z, 0.0];
     }

@@ -1,16 +1,16 @@
 //! Model `membrane`: point masses at the control points of a surface, springs between neighbours,
 //! bending along rows.
 
-use super::bends::Bend;
 use super::cells::CellGrid;
 use super::deformable::Deformable;
-use super::law::MaterialLaw;
+use super::elements::Bend;
+use super::elements::MaterialLaw;
+use super::elements::springs::{from_quads, quad_area};
 use super::material::Material;
 use super::matter::Blueprint;
 use super::node_map::NodeMap;
 use super::settings::{DeformableError, StepSettings};
 use super::sheet::{Row, Sheet};
-use super::springs::{from_quads, quad_area};
 use palpate_geometry::math::Point3;
 
 /// ν of a square net of springs.
@@ -31,6 +31,11 @@ pub fn membrane(
     fixed: &[bool],
     settings: StepSettings,
 ) -> Result<Deformable, DeformableError> {
+    debug_assert_eq!(
+        points.len(),
+        coordinate_of_control.len(),
+        "a coordinate a point"
+    );
     let mut coordinates = vec![Point3::origin(); fixed.len()];
     for (point, &coordinate) in points.iter().zip(coordinate_of_control) {
         coordinates[coordinate as usize] = *point;

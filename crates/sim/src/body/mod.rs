@@ -7,16 +7,15 @@
 //! ```
 //! A body knows coordinates, not tools: contact hands it forces on control points.
 
-mod bends;
 mod calm;
 mod caution;
 mod cells;
 mod columns;
-pub mod continuum;
 mod cube;
 #[cfg(test)]
 mod cube_tests;
 mod deformable;
+pub mod elements;
 mod excess;
 mod explicit;
 mod exterior;
@@ -26,7 +25,6 @@ mod frames;
 mod harmonic;
 mod implicit;
 mod lattice;
-mod law;
 pub mod layers;
 mod look_ahead;
 mod material;
@@ -45,8 +43,6 @@ mod settings;
 mod sheet;
 mod soft_modes;
 mod som;
-mod spring_table;
-mod springs;
 mod state;
 mod stepper;
 mod tangent;
@@ -55,15 +51,15 @@ mod transfinite;
 mod untangle;
 mod xpbd;
 
-pub use bends::Bend;
 pub use cells::{Cell, CellGrid, CellQuality};
-pub use continuum::{ContinuumError, ContinuumLaw, Elastic, Pass, VolumeBarrier, Weight};
 pub use cube::{CubeError, CubeLattice, MOST_NODES_A_SIDE};
 pub use deformable::Deformable;
+pub use elements::continuum::{self, ContinuumError, ContinuumLaw, Elastic, Pass, VolumeBarrier};
+pub use elements::springs::{Spring, SpringRule};
+pub use elements::{Bend, Edge, MaterialLaw, Weight};
 pub use exterior::{CONDITION_LIMIT, ExteriorError, ExteriorMap, check_exterior, measure_exterior};
 pub use field::Field;
 pub use lattice::{Inside, Solid};
-pub use law::MaterialLaw;
 pub use material::{Material, PRESETS, Plastic, Preset, Stiffening, preset};
 pub use matter::{Blueprint, Grain};
 pub use membrane::membrane;
@@ -71,7 +67,6 @@ pub use node_map::{NodeMap, SparseRows};
 pub use settings::{DeformableError, FallBack, Integrator, StepMatrix, StepSettings};
 pub use sheet::{Row, Sheet};
 pub use som::{SomSettings, som};
-pub use springs::{Spring, SpringRule};
 pub use state::{DeformableScratch, DeformableState};
 pub use ties::{coordinates_of_controls, coordinates_of_surface};
 pub use transfinite::{thick_sheet, transfinite};

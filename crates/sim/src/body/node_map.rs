@@ -70,6 +70,7 @@ impl SparseRows {
     /// Columns and weights of a row.
     #[inline]
     pub fn row(&self, row: usize) -> (&[u32], &[f64]) {
+        debug_assert!(row < self.rows(), "no such row");
         let range = self.starts[row] as usize..self.starts[row + 1] as usize;
         (&self.columns[range.clone()], &self.weights[range])
     }
@@ -106,6 +107,7 @@ impl NodeMap {
 
     /// What nodes carry, handed to their coordinates: Wᵀ m.
     pub fn lumped(&self, of_nodes: &[f64], coordinates: usize) -> Vec<f64> {
+        debug_assert!(of_nodes.iter().all(|m| *m >= 0.0), "a mass below none");
         match self {
             Self::Same => of_nodes.to_vec(),
             Self::Sparse(map) => {
@@ -183,6 +185,7 @@ impl NodeMap {
 impl SparseRows {
     /// x = W q.
     pub(super) fn apply(&self, coordinates: &[Lane], nodes: &mut [Lane]) {
+        debug_assert_eq!(nodes.len(), self.rows(), "a row a node");
         #[cfg(target_arch = "x86_64")]
         if simd::has_avx2() {
             // SAFETY: the processor has AVX2, asked just above.
@@ -194,6 +197,7 @@ impl SparseRows {
 
     /// r_q += Wᵀ r.
     pub(super) fn add_transposed(&self, nodes: &[Lane], coordinates: &mut [Lane]) {
+        debug_assert_eq!(nodes.len(), self.rows(), "a row a node");
         #[cfg(target_arch = "x86_64")]
         if simd::has_avx2() {
             // SAFETY: the processor has AVX2, asked just above.

@@ -8,11 +8,11 @@
 //! rest lengths. With a spread, the flow of a spring is shared with those around it (the thesis'
 //! neighbourhood radius, sec. 5.4), so that a pull draws a smooth bump.
 
-use super::continuum::CellFlow;
-use super::law::MaterialLaw;
+use super::elements::MaterialLaw;
+use super::elements::continuum::CellFlow;
+use super::elements::spring_table::SpringTable;
 use super::material::Plastic;
 use super::node_map::SparseRows;
-use super::spring_table::SpringTable;
 use palpate_geometry::math::{Lane, Point3};
 
 /// Constants of the flow of a body.

@@ -19,6 +19,7 @@ pub(super) struct Momentum {
 
 impl Momentum {
     pub fn of(matter: &Matter, places: &[Point3], velocities: &[Vector3]) -> Self {
+        debug_assert_eq!(places.len(), velocities.len(), "a velocity a place");
         let (mut mass_kg, mut centre, mut linear) = (0.0, Vector3::zeros(), Vector3::zeros());
         for ((m, x), v) in matter.masses.iter().zip(places).zip(velocities) {
             mass_kg += m;

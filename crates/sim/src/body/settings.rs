@@ -1,6 +1,6 @@
 //! How a body steps, and why one cannot be built.
 
-use super::continuum::ContinuumError;
+use super::elements::continuum::ContinuumError;
 use palpate_geometry::math::CholeskyError;
 
 /// How a body steps.

@@ -163,6 +163,7 @@ fn product(matrix: &SymmetricTriplets, x: &[Lane]) -> Vec<Lane> {
 }
 
 fn dot(a: &[Lane], b: &[Lane]) -> f64 {
+    debug_assert_eq!(a.len(), b.len(), "vectors of one length");
     let terms = a.iter().zip(b);
     terms
         .map(|(a, b)| a[0] * b[0] + a[1] * b[1] + a[2] * b[2])
@@ -175,6 +176,10 @@ fn ritz(
     stiff: &[Vec<Lane>],
     weighed: &[Vec<Lane>],
 ) -> Option<(Vec<f64>, Vec<Vec<Lane>>)> {
+    debug_assert!(
+        z.len() == stiff.len() && z.len() == weighed.len(),
+        "a product a vector"
+    );
     let m = z.len();
     let gram = |other: &[Vec<Lane>]| -> Vec<f64> {
         let mut out = vec![0.0; m * m];

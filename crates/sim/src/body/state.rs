@@ -2,9 +2,10 @@
 
 use super::calm::{Calm, STILL_STEPS};
 use super::caution::{Caution, ImplicitScratch};
+use super::elements::spring_table::ByCoordinate;
 use super::field::Field;
 use super::rigid_velocity::RigidVelocity;
-use super::spring_table::ByCoordinate;
+use crate::in_place::clone_in_place;
 use palpate_geometry::math::{Lane, Point3, Rows, Vector3};
 use palpate_geometry::stateful;
 
@@ -35,25 +36,18 @@ pub struct DeformableState {
     pub slept: u64,
 }
 
-impl Clone for DeformableState {
-    fn clone(&self) -> Self {
-        let mut copy = Self::default();
-        copy.clone_from(self);
-        copy
-    }
-
-    /// Allocates nothing between states of one body.
-    fn clone_from(&mut self, from: &Self) {
-        self.positions.clone_from(&from.positions);
-        self.velocities.clone_from(&from.velocities);
-        self.rest_lengths.clone_from(&from.rest_lengths);
-        self.plastic_strain.clone_from(&from.plastic_strain);
-        self.contact_n.clone_from(&from.contact_n);
-        self.caution.clone_from(&from.caution);
-        self.calm.clone_from(&from.calm);
-        (self.still, self.left_alone, self.slept) = (from.still, from.left_alone, from.slept);
-    }
-}
+clone_in_place!(DeformableState {
+    positions,
+    velocities,
+    rest_lengths,
+    plastic_strain,
+    contact_n,
+    caution,
+    still,
+    calm,
+    left_alone,
+    slept,
+});
 
 impl DeformableState {
     /// It has stayed where it is for a while, on other bodies or by itself, and no tool touched it.

@@ -10,6 +10,7 @@
 use super::matter::Matter;
 use super::neighbours::middle;
 use super::node_map::NodeMap;
+use crate::body::elements::Weight;
 use palpate_geometry::math::{BlockTriplets, Lane, Matrix3, SymmetricTriplets, Vector3};
 use std::collections::BTreeMap;
 
@@ -57,7 +58,7 @@ pub(super) fn firm(matter: &Matter) -> Firm {
     let inertia: f64 = (matter.masses.iter().zip(&matter.rest))
         .map(|(m, place)| m * (place.coords - centre).norm_squared())
         .sum();
-    let edges = matter.law.firm_edges();
+    let edges = matter.law.edges(Weight::Firm);
     let squares: Vec<f64> = (edges.iter())
         .map(|&(a, b, _)| (nodes[a as usize] - nodes[b as usize]).norm_squared())
         .collect();

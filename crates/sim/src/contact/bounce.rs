@@ -46,6 +46,7 @@ pub(crate) fn meet(scene: &Scene, rows: &mut [Row]) {
 /// They turn round where they are and not where they would touch. The speed makes up for that, so that of the
 /// energy that symplectic Euler keeps, v² / 2 + g (z − v dt / 2), the square of the restitution is left.
 fn parting(restitution: f64, meeting_m_s: f64, now_m: f64, pull: f64, dt_s: f64) -> Option<f64> {
+    debug_assert!(meeting_m_s >= 0.0, "surfaces that part");
     let touching = meeting_m_s * meeting_m_s + pull * (2.0 * now_m - dt_s * meeting_m_s);
     let half = 0.5 * pull * dt_s;
     let left = half * half + restitution * restitution * touching - 2.0 * pull * now_m;

@@ -37,6 +37,10 @@ pub(crate) fn moving(body: &Body, parts: &BodyScratch) -> f64 {
 
 /// Two boxes come nearer than `margin_m`.
 pub(crate) fn meet((a, b): &(Point3, Point3), low: &Point3, high: &Point3, margin_m: f64) -> bool {
+    debug_assert!(
+        margin_m >= 0.0 || margin_m.is_nan(),
+        "boxes that must overlap"
+    );
     (0..3).all(|c| low[c] <= b[c] + margin_m && high[c] >= a[c] - margin_m)
 }
 
@@ -193,6 +197,7 @@ pub(crate) fn push_between(
     steps: &[RigidStep; 2],
     margin: f64,
 ) {
+    debug_assert!(margin > 0.0, "rows join before they touch");
     let Some([s, t]) = contact.tool_uv else {
         return;
     };

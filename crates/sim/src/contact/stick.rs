@@ -34,6 +34,7 @@ pub(crate) fn coefficient(pair: &Pair, p: usize, warm: &Warm) -> f64 {
 
 /// What friction leaves of a slide when the surface keeps the tool from going `blocked` as well.
 pub(crate) fn held_back(slide: Vector3, blocked: Vector3, mu: f64) -> Vector3 {
+    debug_assert!(mu >= 0.0, "friction that drives");
     let (length, held) = (slide.norm(), mu * blocked.norm());
     if length > held {
         slide * (1.0 - held / length)

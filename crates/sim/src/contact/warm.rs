@@ -1,5 +1,6 @@
 //! Contact forces of the last tick: where solves start, and what contacts remember.
 
+use crate::in_place::clone_in_place;
 use crate::solve::friction::Stick;
 use crate::solve::row_key::{RowId, RowKey};
 use palpate_geometry::math::Vector3;
@@ -108,20 +109,12 @@ impl Warm {
     }
 }
 
-impl Clone for Warm {
-    fn clone(&self) -> Self {
-        Self {
-            rows: self.rows.clone(),
-            ..*self
-        }
-    }
-
-    /// Allocates nothing between those of one scene.
-    fn clone_from(&mut self, from: &Self) {
-        self.rows.clone_from(&from.rows);
-        (self.len, self.friction, self.arms) = (from.len, from.friction, from.arms);
-    }
-}
+clone_in_place!(Warm {
+    rows,
+    len,
+    friction,
+    arms
+});
 
 stateful!(Warm, |this, walk| {
     let Warm {

@@ -166,6 +166,7 @@ impl Link {
 
     /// Moves the force limit towards its goal.
     fn ramp(&mut self, limits: &LinkLimits, wanted: bool) {
+        debug_assert!(limits.ramp_n >= 0.0, "a ramp the other way");
         let goal = self.goal_n(limits, wanted);
         self.limit_n = if self.limit_n < goal {
             (self.limit_n + limits.ramp_n).min(goal)

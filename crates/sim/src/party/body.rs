@@ -3,6 +3,7 @@
 use super::flight::Gives;
 use super::rigid::{RigidScratch, RigidState, RigidStep};
 use crate::body::{DeformableScratch, DeformableState};
+use crate::in_place::clone_in_place;
 use crate::scene::{Body, Scene};
 use crate::solve::side::Sided;
 use palpate_geometry::contact::pair::PairSide;
@@ -31,32 +32,15 @@ pub struct BodyState {
     pub rigid: Option<RigidState>,
 }
 
-impl Clone for BodyState {
-    fn clone(&self) -> Self {
-        let mut copy = Self::default();
-        copy.clone_from(self);
-        copy
-    }
-
-    /// Allocates nothing between states of one body.
-    fn clone_from(&mut self, from: &Self) {
-        let Self {
-            deformable,
-            revision,
-            moved_m,
-            phase,
-            put_off,
-            loads,
-            rigid,
-        } = self;
-        *rigid = from.rigid;
-        // `Option` hands its value's own `clone_from` on.
-        deformable.clone_from(&from.deformable);
-        (*revision, *moved_m) = (from.revision, from.moved_m);
-        (*phase, *put_off) = (from.phase, from.put_off);
-        loads.clone_from(&from.loads);
-    }
-}
+clone_in_place!(BodyState {
+    deformable,
+    revision,
+    moved_m,
+    phase,
+    put_off,
+    loads,
+    rigid
+});
 
 impl BodyState {
     /// It lies at rest, and may be left alone with its contacts.

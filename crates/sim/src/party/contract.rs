@@ -21,6 +21,14 @@ pub(crate) struct Around<'a> {
     pub moving: bool,
 }
 
+/// The contact problem of a tick, as parties see it.
+pub(crate) struct Problem<'a> {
+    pub rows: &'a RowSet,
+    /// Forces have three components, and what only their normals would see is left to modes.
+    pub whole: bool,
+    pub solver: &'a mut Solver,
+}
+
 /// What takes part in contact. The stages of a tick call these in their order, and name no kind of party.
 pub(crate) trait Party {
     /// What a replay restores of it.
@@ -50,17 +58,8 @@ pub(crate) trait Party {
     /// Predict: free motion of the tick that begins, without contact.
     fn predict(&self, _around: &Around<'_>, _state: &Self::State, _scratch: &mut Self::Scratch) {}
 
-    /// Solve: adds to the matrix how forces on its rows move them. `whole`: forces have three components, and what
-    /// only their normals would see is left to modes.
-    fn respond(
-        &self,
-        _state: &Self::State,
-        _scratch: &Self::Scratch,
-        _rows: &RowSet,
-        _whole: bool,
-        _solver: &mut Solver,
-    ) {
-    }
+    /// Solve: adds to the matrix how forces on its rows move them.
+    fn respond(&self, _state: &Self::State, _scratch: &Self::Scratch, _problem: &mut Problem<'_>) {}
 
     /// Modes that stand beside the matrix where forces have three components.
     fn mode_count(&self) -> usize {
@@ -71,10 +70,9 @@ pub(crate) trait Party {
     fn give_modes(
         &self,
         _scratch: &Self::Scratch,
-        _rows: &RowSet,
         _row: &Row,
         _first: usize,
-        _solver: &mut Solver,
+        _problem: &mut Problem<'_>,
     ) {
     }
 
@@ -84,9 +82,8 @@ pub(crate) trait Party {
         &self,
         _state: &Self::State,
         _scratch: &Self::Scratch,
-        _rows: &RowSet,
         _row: &Row,
-        _solver: &mut Solver,
+        _problem: &mut Problem<'_>,
     ) -> f64 {
         0.0
     }

@@ -1,7 +1,7 @@
 //! A body that deforms: its surface gives way as its implicit step does.
 
 use super::body::{BodyScratch, BodyState, DeformingScratch, Of, box_of};
-use super::contract::{Around, Begun, Ended, Party, direction};
+use super::contract::{Around, Begun, Ended, Party, Problem, direction};
 use super::pipeline::Pipeline;
 use crate::body::{DeformableState, FallBack, Field};
 use crate::scene::{Body, DeformingBody};
@@ -95,21 +95,19 @@ impl Party for Of<'_, &DeformingBody> {
         }
     }
 
-    fn respond(
-        &self,
-        _: &BodyState,
-        scratch: &BodyScratch,
-        rows: &RowSet,
-        whole: bool,
-        solver: &mut Solver,
-    ) {
+    fn respond(&self, _: &BodyState, scratch: &BodyScratch, problem: &mut Problem<'_>) {
         let Some(deforming) = &scratch.deforming else {
             return;
         };
         let deformable = &self.kind.deformable;
+        let Problem {
+            rows,
+            whole,
+            solver,
+        } = problem;
         let Solver {
             problem, delassus, ..
-        } = solver;
+        } = &mut **solver;
         delassus.clear();
         for (i, row) in rows.rows.iter().enumerate() {
             for (sign, side) in row.sides_on(self.index) {
@@ -125,13 +123,13 @@ impl Party for Of<'_, &DeformingBody> {
         delassus.respond(|coordinate| deformable.compliance_of(&deforming.deformable, coordinate));
         delassus.each_pair(|pair| {
             let [i, j] = pair.rows;
-            let entry = pair.compliance * direction(&rows.rows[i], &rows.rows[j], whole);
+            let entry = pair.compliance * direction(&rows.rows[i], &rows.rows[j], *whole);
             problem.row_mut(i)[j] += entry;
             if !pair.same {
                 problem.row_mut(j)[i] += entry;
             }
         });
-        if !whole {
+        if !*whole {
             self.respond_softly(scratch, rows, solver);
         }
     }
@@ -143,11 +141,11 @@ impl Party for Of<'_, &DeformingBody> {
     fn give_modes(
         &self,
         scratch: &BodyScratch,
-        rows: &RowSet,
         row: &Row,
         first: usize,
-        solver: &mut Solver,
+        problem: &mut Problem<'_>,
     ) {
+        let Problem { rows, solver, .. } = problem;
         if !self.modes_of_row(scratch, rows, row, solver) {
             return;
         }
@@ -161,10 +159,10 @@ impl Party for Of<'_, &DeformingBody> {
         &self,
         _: &BodyState,
         scratch: &BodyScratch,
-        rows: &RowSet,
         row: &Row,
-        solver: &mut Solver,
+        problem: &mut Problem<'_>,
     ) -> f64 {
+        let Problem { rows, solver, .. } = problem;
         let mut sum = 0.0;
         if self.modes_of_row(scratch, rows, row, solver) {
             let moves = solver.mode_moves.iter();

@@ -122,6 +122,7 @@ pub(crate) struct Gives {
 
 impl Gives {
     pub(crate) fn new(mass: &Mass, position: &Point3, rotation: &Rotation, dt_s: f64) -> Self {
+        debug_assert!(mass.mass_kg > 0.0, "a body without mass");
         Self {
             centre: *position,
             rotation: *rotation,

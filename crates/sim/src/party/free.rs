@@ -10,7 +10,7 @@
 //! (Moreau 1988): then they part with that share of it. Angular momentum in the world changes by moments alone, so that in flight it keeps its bits.
 
 use super::body::{BodyScratch, BodyState, Of};
-use super::contract::{Around, Party, direction};
+use super::contract::{Around, Party, Problem, direction};
 use super::flight::{Flight, Gives, RigidMotion};
 use super::moved::{arrive, buffers, go, net, prepare, starting, stay};
 use super::pipeline::Pipeline;
@@ -18,7 +18,7 @@ use super::rigid::{Course, RigidState, Turn};
 use crate::body::Field;
 use crate::scene::{Free, Mover};
 use crate::solve::rows::{Row, RowSet};
-use crate::solve::solver::{Solver, TURNS};
+use crate::solve::solver::TURNS;
 use crate::tick::record::TickFault;
 use palpate_geometry::math::{Point3, Vector3, turn_between};
 
@@ -70,18 +70,12 @@ impl Party for Of<'_, Freed<'_>> {
         go(self.body, placement, (now, next), turn, scratch);
     }
 
-    fn respond(
-        &self,
-        _: &BodyState,
-        scratch: &BodyScratch,
-        rows: &RowSet,
-        whole: bool,
-        solver: &mut Solver,
-    ) {
+    fn respond(&self, _: &BodyState, scratch: &BodyScratch, problem: &mut Problem<'_>) {
         let Some(gives) = scratch.gives() else {
             return;
         };
-        let (rows, problem) = (&rows.rows, &mut solver.problem);
+        let (rows, whole) = (&problem.rows.rows, problem.whole);
+        let problem = &mut problem.solver.problem;
         for (i, a) in rows.iter().enumerate() {
             for (sign_a, _) in a.sides_on(self.index) {
                 let turn = match whole {
@@ -112,10 +106,9 @@ impl Party for Of<'_, Freed<'_>> {
     fn give_modes(
         &self,
         scratch: &BodyScratch,
-        _: &RowSet,
         row: &Row,
         first: usize,
-        solver: &mut Solver,
+        problem: &mut Problem<'_>,
     ) {
         let Some(gives) = scratch.gives() else {
             return;
@@ -123,19 +116,12 @@ impl Party for Of<'_, Freed<'_>> {
         for (sign, _) in row.sides_on(self.index) {
             let moves = gives.moves(&gives.arm(row));
             for (k, (moves, gain)) in moves.iter().zip(gives.turn_rad_nm).enumerate() {
-                (solver.friction).add_turn(first + k, gain, &(moves * sign));
+                (problem.solver.friction).add_turn(first + k, gain, &(moves * sign));
             }
         }
     }
 
-    fn gives(
-        &self,
-        _: &BodyState,
-        scratch: &BodyScratch,
-        _: &RowSet,
-        row: &Row,
-        _: &mut Solver,
-    ) -> f64 {
+    fn gives(&self, _: &BodyState, scratch: &BodyScratch, row: &Row, _: &mut Problem<'_>) -> f64 {
         scratch.gives().map_or(0.0, |gives| {
             let turning = gives.arm(row).cross(&row.normal);
             let alone = gives.shift_m_n + gives.turned(&turning).dot(&turning);

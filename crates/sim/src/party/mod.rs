@@ -26,7 +26,7 @@ mod rigid;
 mod tool;
 
 pub use body::{BodyScratch, BodyState};
-pub(crate) use contract::{Around, Begun, Party};
+pub(crate) use contract::{Around, Begun, Party, Problem};
 pub(crate) use deforming::view;
 pub(crate) use flight::Gives;
 pub use flight::{Flight, RigidMotion};

@@ -1,6 +1,6 @@
 //! A tool on its virtual coupling: free motion takes it to its device, contact holds it back.
 
-use super::contract::{Around, Party, direction};
+use super::contract::{Around, Party, Problem, direction};
 use super::pipeline::Pipeline;
 use super::tool::{ToolScratch, ToolState};
 use crate::haptics::{Coupling, DeviceBounds, Link, Port, RenderedForce, limit};
@@ -58,14 +58,12 @@ impl Party for OnCoupling<'_> {
         );
     }
 
-    fn respond(
-        &self,
-        state: &ToolState,
-        _: &ToolScratch,
-        rows: &RowSet,
-        whole: bool,
-        solver: &mut Solver,
-    ) {
+    fn respond(&self, state: &ToolState, _: &ToolScratch, problem: &mut Problem<'_>) {
+        let Problem {
+            rows,
+            whole,
+            solver,
+        } = problem;
         let coupling = self.coupling(state);
         let (compliance, turning) = (
             coupling.compliance_m_n(),
@@ -75,22 +73,15 @@ impl Party for OnCoupling<'_> {
             let twist = a.arm.cross(&a.normal) * turning;
             let moved = solver.problem.row_mut(i);
             for (j, b) in self.own(rows) {
-                moved[j] = compliance * direction(a, b, whole);
-                if turning > 0.0 && !whole {
+                moved[j] = compliance * direction(a, b, *whole);
+                if turning > 0.0 && !*whole {
                     moved[j] += twist.dot(&b.arm.cross(&b.normal));
                 }
             }
         }
     }
 
-    fn gives(
-        &self,
-        state: &ToolState,
-        _: &ToolScratch,
-        _: &RowSet,
-        row: &Row,
-        _: &mut Solver,
-    ) -> f64 {
+    fn gives(&self, state: &ToolState, _: &ToolScratch, row: &Row, _: &mut Problem<'_>) -> f64 {
         if row.tool() != Some(self.index) {
             return 0.0;
         }

@@ -114,6 +114,7 @@ impl RigidState {
     /// Sends it to a place, in so many ticks, or more if it would be too fast. A free body stays where it
     /// is.
     pub(crate) fn send(&mut self, to: (Point3, Rotation), ticks: u32, dt_s: f64) {
+        debug_assert!(dt_s > 0.0, "a tick takes time");
         let Course::Sent(sent) = &mut self.course else {
             return;
         };

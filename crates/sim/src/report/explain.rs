@@ -6,7 +6,7 @@
 //! compares both.
 
 use crate::body::FallBack;
-use crate::party::{Begun, BodyScratch, BodyState, Party as _};
+use crate::party::{Begun, BodyScratch, BodyState, Party as _, Problem};
 use crate::scene::Scene;
 use crate::solve::friction::FrictionLaw;
 use crate::solve::rows::{Holder, Row};
@@ -184,12 +184,17 @@ fn compliance(balance: &mut Balance<'_>, row: &Row) -> ComplianceExplained {
         solver,
         ..
     } = balance;
+    let problem = &mut Problem {
+        rows,
+        whole: solver.is_whole(),
+        solver,
+    };
     for (t, tool) in scene.tool_parties().enumerate() {
-        let m_per_n = tool.gives(&tools[t], &tool_parts[t], rows, row, solver);
+        let m_per_n = tool.gives(&tools[t], &tool_parts[t], row, problem);
         add(format!("tool:{}", scene.tool_id(t)), m_per_n);
     }
     for (b, body) in scene.parties().enumerate() {
-        let m_per_n = body.gives(&states[b], &bodies[b], rows, row, solver);
+        let m_per_n = body.gives(&states[b], &bodies[b], row, problem);
         add(format!("body:{}", scene.body_id(b)), m_per_n);
     }
     let dent = &balance.solver.indentations[row.id.pair as usize];

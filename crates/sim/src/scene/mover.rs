@@ -327,6 +327,7 @@ impl Shake {
 
 /// From 0 to 1 with the least jerk.
 pub(crate) fn smooth(s: f64) -> f64 {
+    debug_assert!((0.0..=1.0).contains(&s), "a share of the way");
     s * s * s * (10.0 + s * (6.0 * s - 15.0))
 }
 

@@ -51,6 +51,7 @@ impl Complementarity {
 
     /// D_ij.
     pub fn entry(&self, i: usize, j: usize) -> f64 {
+        debug_assert!(i < self.len && j < self.len, "no such row");
         self.delassus[i * self.len + j]
     }
 
@@ -61,6 +62,7 @@ impl Complementarity {
 
     /// Sets the gap of a row and where its force starts from.
     pub fn set(&mut self, i: usize, gap_m: f64, warm_n: f64) {
+        debug_assert!(i < self.len, "no such row");
         self.gap[i] = gap_m;
         self.force[i] = warm_n;
     }
@@ -68,6 +70,7 @@ impl Complementarity {
     /// Runs `sweeps` sweeps, or until one changes nothing; forces are then in
     /// [`Complementarity::forces`].
     pub fn solve(&mut self, sweeps: usize) {
+        debug_assert!(sweeps > 0, "a solve of no sweeps");
         #[cfg(target_arch = "x86_64")]
         if simd::has_avx2() {
             // SAFETY: the processor has AVX2, asked just above.
@@ -123,6 +126,7 @@ impl Complementarity {
 
     /// Replaces the force of a row by an equivalent one.
     pub fn set_force(&mut self, i: usize, force_n: f64) {
+        debug_assert!(i < self.len, "no such row");
         self.force[i] = force_n;
     }
 

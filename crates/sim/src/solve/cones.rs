@@ -50,6 +50,12 @@ fn nearest(law: FrictionLaw, normal: &Vector3, y: &Vector3) -> (Vector3, Matrix3
 /// Shares Σ force anew; the sum stays what it was to 1e-4 of itself. False, with nothing changed,
 /// when weights or a grip's limit do not allow it.
 pub fn share(contacts: &mut [ConeShare]) -> bool {
+    debug_assert!(
+        contacts
+            .iter()
+            .all(|s| s.weight_m >= 0.0 || s.weight_m.is_nan()),
+        "depths"
+    );
     let total: Vector3 = contacts.iter().map(|c| c.force_n).sum();
     let weights: f64 = contacts.iter().map(|c| c.weight_m).sum();
     let add = |y: &Vector3, look: &mut Look| {

@@ -79,6 +79,11 @@ impl Delassus {
         sign: f64,
         weights: impl Iterator<Item = (usize, usize, f64)>,
     ) {
+        debug_assert!(sign.abs() == 1.0, "a side is pushed along or against");
+        debug_assert!(
+            self.sides.len() < self.sides.capacity(),
+            "no room for a side"
+        );
         let start = self.entries.len() as u32;
         for (unknown, coordinate, weight) in weights {
             if self.slot_of[unknown] == NONE {
@@ -103,6 +108,10 @@ impl Delassus {
     /// Finds what each side does to all others. `column_of`: the column of W of a coordinate, by
     /// unknown, m/N.
     pub fn respond<'a>(&mut self, column_of: impl Fn(usize) -> Option<&'a [f64]>) {
+        debug_assert!(
+            self.entries.len() <= self.by_slot.len(),
+            "no room for weights"
+        );
         self.sort();
         let lanes = self.concerned.len().div_ceil(4);
         self.response[..lanes * self.sides.len()].fill([0.0; 4]);

@@ -243,6 +243,7 @@ impl FrictionProblem {
 
     /// The row just added is moved by a soft mode: `moves` for each unit of it.
     pub fn add_mode(&mut self, mode: usize, gain: f64, moves: &Vector3) {
+        debug_assert!(gain >= 0.0, "a mode that drives");
         if let Some(row) = self.rows.last_mut()
             && *moves != Vector3::zeros()
         {
@@ -259,6 +260,7 @@ impl FrictionProblem {
     /// The row just added is moved by the turn of a free body: `moves` for each rad of it. When all of
     /// them are added, [`FrictionProblem::bound_turns`].
     pub fn add_turn(&mut self, mode: usize, gain: f64, moves: &Vector3) {
+        debug_assert!(gain >= 0.0, "a turn that drives");
         if let Some(row) = self.rows.last_mut() {
             self.pool.push(ModeOfRow {
                 mode: mode as u32,
@@ -303,6 +305,7 @@ impl FrictionProblem {
 
     /// Runs `sweeps` sweeps on the compliance `matrix` (n × n, row by row, m/N).
     pub fn solve(&mut self, matrix: &[f64], sweeps: usize) {
+        debug_assert!(sweeps > 0, "a solve of no sweeps");
         debug_assert_eq!(
             matrix.len(),
             self.rows.len() * self.rows.len(),
@@ -429,6 +432,7 @@ fn solve_avx2(problem: &mut FrictionProblem, matrix: &[f64], sweeps: usize) {
 /// b + Σ S_j f_j, in four sums that do not wait for each other.
 #[inline(always)]
 fn total(compliances: &[f64], forces: &[Lane], free: &Lane) -> Lane {
+    debug_assert_eq!(compliances.len(), forces.len(), "a compliance a force");
     let mut sums = [*free, [0.0; 4], [0.0; 4], [0.0; 4]];
     let whole = compliances.len() / 4 * 4;
     for (s, f) in compliances[..whole]

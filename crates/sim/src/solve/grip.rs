@@ -164,6 +164,7 @@ stateful!(GripState, |this, walk| {
 /// What an anchor still bears, from 1 to 0, when its two points have come `apart_m` on a body of
 /// the size `size_m`.
 pub fn strength(apart_m: f64, size_m: f64) -> f64 {
+    debug_assert!(size_m > 0.0, "a body without size");
     let slipped = apart_m / (LETS_GO * size_m);
     (2.0 - 2.0 * slipped).clamp(0.0, 1.0)
 }

@@ -62,6 +62,12 @@ impl Holding {
 
 /// Sets the parts of all barriers. False, with nothing changed, when there is no such place.
 pub fn hold(barriers: &mut [Barrier]) -> bool {
+    debug_assert!(
+        barriers
+            .iter()
+            .all(|b| (b.normal.norm() - 1.0).abs() < 1e-6),
+        "unit normals"
+    );
     let deepest_m = barriers.iter().map(|b| b.depth_m).fold(0.0, f64::max);
     let mut way = Vector3::zeros();
     let mut holding = Holding::default();

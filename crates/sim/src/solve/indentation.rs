@@ -40,6 +40,7 @@ pub struct Resolution {
 impl Resolution {
     /// Of a place that control points with these weights make; zeros where they have none.
     pub fn blend(of: &[Self], controls: &[u32], weights: &[f64]) -> Self {
+        debug_assert_eq!(controls.len(), weights.len(), "a weight a control point");
         let mut sum = Self::default();
         for (&control, weight) in controls.iter().zip(weights) {
             if let Some(one) = of.get(control as usize) {

@@ -36,6 +36,10 @@ impl ProxyState {
     /// The tool, at a place, is out of the body's reach and at least so far from it: nothing that
     /// was proven near it holds when it comes back.
     pub fn leave(&mut self, place: &Point3, clear_m: f64) {
+        debug_assert!(
+            clear_m >= 0.0 || clear_m.is_nan(),
+            "away by less than nothing"
+        );
         self.touching = false;
         self.foot.budget_m = 0.0;
         (self.queried, self.clear_m) = (*place, clear_m);

@@ -205,6 +205,8 @@ impl RowSet {
     /// gap then becomes that after free motion. `row.slip` is what the holder has slipped before
     /// the motions given here.
     pub fn push(&mut self, row: Row, body: Grip<'_>, holder: Grip<'_>, margin_m: f64) {
+        debug_assert!(row.now_m == row.gap_m || row.now_m.is_nan(), "the gap now");
+        debug_assert!(margin_m > 0.0, "a row must come near");
         if self.full() {
             return;
         }
@@ -253,6 +255,10 @@ impl RowSet {
 
     /// Free motion of a body changed, at its control points by this, m.
     pub fn shift(&mut self, body: usize, change: &[Vector3]) {
+        debug_assert!(
+            change.iter().all(|c| c.x.is_nan() || c.norm() < 1e6),
+            "an iteration leaves the scene"
+        );
         let Self {
             rows,
             controls,
@@ -297,6 +303,7 @@ impl RowSet {
 
     /// Control indices and weights of a side.
     pub fn weights_in(&self, range: Range) -> (&[u32], &[f64]) {
+        debug_assert!(range.start <= range.end, "a range turned round");
         let range = range.start as usize..range.end as usize;
         (&self.controls[range.clone()], &self.weights[range])
     }

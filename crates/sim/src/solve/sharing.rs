@@ -100,6 +100,12 @@ pub(super) fn multiplier(
 /// Shares Σ force · normal anew; the sum stays what it was to 1e-4 of itself. False, with nothing
 /// changed, when weights do not allow it.
 pub fn share(contacts: &mut [Share]) -> bool {
+    debug_assert!(
+        contacts
+            .iter()
+            .all(|s| s.weight_m >= 0.0 || s.weight_m.is_nan()),
+        "depths"
+    );
     let total: Vector3 = contacts.iter().map(|c| c.normal * c.force_n).sum();
     let weights: f64 = contacts.iter().map(|c| c.weight_m).sum();
     let add = |y: &Vector3, look: &mut Look| {

@@ -14,7 +14,7 @@
 
 use crate::contact::warm::{Warm, WarmRow};
 use crate::contact::{dent, stick};
-use crate::party::{BodyScratch, BodyState, Party as _, ToolScratch, ToolState};
+use crate::party::{BodyScratch, BodyState, Party as _, Problem, ToolScratch, ToolState};
 use crate::scene::{Body, Scene};
 use crate::solve::cones::{self, ConeShare};
 use crate::solve::friction::{FrictionLaw, Lever};
@@ -72,11 +72,16 @@ impl Balance<'_> {
             bodies,
             ..
         } = self;
+        let problem = &mut Problem {
+            rows,
+            whole,
+            solver,
+        };
         for (t, tool) in scene.tool_parties().enumerate() {
-            tool.respond(&self.tools[t], &tool_parts[t], rows, whole, solver);
+            tool.respond(&self.tools[t], &tool_parts[t], problem);
         }
         for (b, body) in scene.parties().enumerate() {
-            body.respond(&self.states[b], &bodies[b], rows, whole, solver);
+            body.respond(&self.states[b], &bodies[b], problem);
         }
         dent::settle(self.rows, self.solver);
         if !whole {
@@ -388,9 +393,14 @@ impl Balance<'_> {
     fn give_modes(&mut self, row: &Row) {
         let scene = self.scene;
         let mut first = 0;
+        let problem = &mut Problem {
+            rows: self.rows,
+            whole: true,
+            solver: self.solver,
+        };
         for (b, body) in scene.parties().enumerate() {
             if row.sides_on(b).next().is_some() {
-                body.give_modes(&self.bodies[b], self.rows, row, first, self.solver);
+                body.give_modes(&self.bodies[b], row, first, problem);
             }
             first += body.mode_count();
         }

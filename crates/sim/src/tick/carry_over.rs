@@ -10,6 +10,7 @@ impl Scene {
     /// bodies it shares with it. Contacts begin anew. `state` is an initial state of this scene;
     /// nothing is allocated.
     pub fn carry_over(&self, from: &SceneState, origins: &[Origin], state: &mut SceneState) {
+        debug_assert_eq!(origins.len(), self.bodies.len(), "an origin a body");
         (state.tick, state.run, state.quality) = (from.tick, from.run, from.quality);
         state.faulted = from.faulted;
         (state.frame, state.carried) = (from.frame, from.carried);

@@ -32,6 +32,7 @@ impl FrameState {
         dt_s: f64,
         smoothing_s: f64,
     ) {
+        debug_assert!(dt_s > 0.0 && smoothing_s >= 0.0, "times");
         if self.seen > 0 {
             let velocity = (position - self.position) / dt_s;
             let turned = self.rotation.inverse() * rotation;

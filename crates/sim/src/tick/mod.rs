@@ -12,6 +12,7 @@ mod by_tool;
 mod carry_over;
 pub mod flags;
 mod frame;
+mod invariants;
 mod iterate;
 mod late;
 pub(crate) mod load;

@@ -6,6 +6,7 @@
 pub use super::by_tool::{Absent, ByTool};
 use super::stage::StageTimes;
 use crate::haptics::{DeviceBounds, DevicePose};
+use crate::in_place::clone_in_place;
 use crate::solve::rows::Holder;
 use palpate_geometry::math::{Point3, Rotation, Vector3};
 
@@ -29,21 +30,7 @@ impl TickInput {
     }
 }
 
-impl Clone for TickInput {
-    fn clone(&self) -> Self {
-        Self {
-            poses: self.poses.clone(),
-            skipped: self.skipped,
-        }
-    }
-
-    /// Allocates nothing where there is room for as many tools.
-    fn clone_from(&mut self, from: &Self) {
-        let Self { poses, skipped } = self;
-        poses.clone_from(&from.poses);
-        *skipped = from.skipped;
-    }
-}
+clone_in_place!(TickInput { poses, skipped });
 
 /// A change between ticks, recorded with the tick before which it took effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -310,34 +297,16 @@ impl TickOutput {
     }
 }
 
-impl Clone for TickOutput {
-    fn clone(&self) -> Self {
-        let mut copy = Self {
-            contacts: self.contacts.clone(),
-            ..Self::default()
-        };
-        copy.clone_from(self);
-        copy
-    }
-
-    /// Allocates nothing where there is room for as many tools.
-    fn clone_from(&mut self, from: &Self) {
-        let Self {
-            tick,
-            tools,
-            contacts,
-            net_revision,
-            state_hash,
-            moving,
-            quality,
-            fault,
-        } = self;
-        tools.clone_from(&from.tools);
-        contacts.clone_from(&from.contacts);
-        (*tick, *net_revision, *state_hash) = (from.tick, from.net_revision, from.state_hash);
-        (*moving, *quality, *fault) = (from.moving, from.quality, from.fault);
-    }
-}
+clone_in_place!(TickOutput {
+    tick,
+    tools,
+    contacts,
+    net_revision,
+    state_hash,
+    moving,
+    quality,
+    fault,
+});
 
 /// One tick for the journal: what was applied, what came out, and how long it took.
 #[derive(Debug, Default, PartialEq)]
@@ -363,29 +332,12 @@ impl TickRecord {
     }
 }
 
-impl Clone for TickRecord {
-    fn clone(&self) -> Self {
-        Self {
-            input: self.input.clone(),
-            output: self.output.clone(),
-            late_ns: self.late_ns,
-            stage_ns: self.stage_ns,
-        }
-    }
-
-    /// Allocates nothing where there is room for as many tools.
-    fn clone_from(&mut self, from: &Self) {
-        let Self {
-            input,
-            output,
-            late_ns,
-            stage_ns,
-        } = self;
-        input.clone_from(&from.input);
-        output.clone_from(&from.output);
-        (*late_ns, *stage_ns) = (from.late_ns, from.stage_ns);
-    }
-}
+clone_in_place!(TickRecord {
+    input,
+    output,
+    late_ns,
+    stage_ns
+});
 
 #[cfg(test)]
 mod tests {

@@ -4,6 +4,7 @@ use super::frame::FrameState;
 use super::quality;
 use crate::contact::PairState;
 use crate::contact::warm::Warm;
+use crate::in_place::clone_in_place;
 use crate::party::{BodyState, Party as _, ToolState};
 use crate::scene::Scene;
 use crate::solve::grip::{GRAB, GripState};
@@ -67,51 +68,27 @@ impl Scene {
     }
 }
 
-impl Clone for SceneState {
-    fn clone(&self) -> Self {
-        let mut copy = Self {
-            tick: 0,
-            run: RunState::Running,
-            quality: 0,
-            faulted: false,
-            bodies: Vec::new(),
-            tools: Vec::new(),
-            pairs: Vec::new(),
-            frame: FrameState::default(),
-            carried: false,
-            warm: Warm::with_room(0),
-        };
-        copy.clone_from(self);
-        copy
-    }
-
-    /// Allocates nothing between states of one scene.
-    fn clone_from(&mut self, from: &Self) {
-        let Self {
-            tick,
-            run,
-            quality,
-            faulted,
-            bodies,
-            tools,
-            pairs,
-            frame,
-            carried,
-            warm,
-        } = self;
-        (*tick, *run) = (from.tick, from.run);
-        (*quality, *faulted) = (from.quality, from.faulted);
-        bodies.clone_from(&from.bodies);
-        tools.clone_from(&from.tools);
-        pairs.clone_from(&from.pairs);
-        (*frame, *carried) = (from.frame, from.carried);
-        warm.clone_from(&from.warm);
-    }
-}
+clone_in_place!(SceneState {
+    tick,
+    run,
+    quality,
+    faulted,
+    bodies,
+    tools,
+    pairs,
+    frame,
+    carried,
+    warm,
+});
 
 impl SceneState {
     /// Net of a body now, u-major, m; `out` is as long as the net of [`Scene::rest_surface`].
     pub fn copy_net(&self, scene: &Scene, body: usize, out: &mut [Point3]) {
+        debug_assert_eq!(
+            out.len(),
+            scene.rest_surface(body).net().points().len(),
+            "a point a control"
+        );
         scene.party(body).net(&self.bodies[body], out);
     }
 

@@ -1,7 +1,7 @@
 //! One tick: pure, no clock, no I/O, no allocation, no lock, no error.
 
 use super::record::{Command, TickInput, TickOutput};
-use super::{RunState, SceneState, Scratch, admit, flags, iterate, motion, quality};
+use super::{RunState, SceneState, Scratch, admit, flags, invariants, iterate, motion, quality};
 use crate::contact::{PairState, Search, find, grip, near};
 use crate::party::{Around, Party as _};
 use crate::report::explain::{self, Explanation};
@@ -106,10 +106,18 @@ pub fn render(
     predict(scene, state, scratch, moving);
     contacts(scene, state, scratch, moving);
     balance(scene, state, scratch).solve();
+    if cfg!(debug_assertions) {
+        invariants::of_motion(scene, &scratch.tools, &scratch.bodies);
+        invariants::of_rows(scene, &state.tools, &scratch.rows);
+        invariants::of_forces(&scratch.rows, &scratch.solver);
+    }
     let Scratch { rows, solver, .. } = &*scratch;
     admit::release(scene, &mut state.tools, &rows.rows, solver, wanted, output);
     iterate::iterate(&mut balance(scene, state, scratch));
     report(scene, state, scratch, output);
+    if cfg!(debug_assertions) {
+        invariants::of_output(scene, &state.tools, &scratch.tools, &state.warm, output);
+    }
     if std::mem::take(&mut state.faulted) {
         let tools = output.tools.as_mut_slice().iter_mut();
         tools.for_each(|tool| tool.flags |= flags::FAULT);
@@ -238,6 +246,9 @@ pub fn deform(
         output.fault = Some(fault);
         // The forces of this tick are out already.
         state.faulted = true;
+    }
+    if cfg!(debug_assertions) {
+        state.check(scene);
     }
     output.net_revision = state.bodies.iter().map(|body| body.revision).sum();
 }

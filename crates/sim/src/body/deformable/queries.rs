@@ -46,6 +46,11 @@ impl Deformable {
         after: &DeformableState,
         field: Field,
     ) -> Option<Vec<Vector3>> {
+        debug_assert_eq!(
+            before.positions.len(),
+            after.positions.len(),
+            "two states of one body"
+        );
         let Stepper::Implicit(implicit) = &self.stepper else {
             return None;
         };
@@ -88,6 +93,11 @@ impl Deformable {
 
     /// Kinetic plus elastic energy, J.
     pub fn energy_j(&self, state: &DeformableState) -> f64 {
+        debug_assert_eq!(
+            state.positions.len(),
+            self.coordinate_count(),
+            "a state of another body"
+        );
         let kinetic: f64 = self
             .matter
             .masses
@@ -119,6 +129,11 @@ impl Deformable {
 
     /// Nodes of coordinates.
     pub fn nodes(&self, coordinates: &[Point3]) -> Vec<Point3> {
+        debug_assert_eq!(
+            coordinates.len(),
+            self.coordinate_count(),
+            "a place a coordinate"
+        );
         self.matter.map.nodes(coordinates)
     }
 

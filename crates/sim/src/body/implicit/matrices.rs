@@ -1,6 +1,7 @@
 //! The matrices of a step and their factors, at build.
 
 use super::{TAUT, Tangent, WATCHED, WATCHED_OF_SHEETS, WILD_LENGTH};
+use crate::body::elements::Weight;
 use crate::body::frames::Frames;
 use crate::body::matter::Matter;
 use crate::body::neighbours::{middle, shortest_edges};
@@ -20,7 +21,7 @@ pub(super) fn places(matter: &Matter) -> Vec<Point3> {
 
 /// The factor above every tangent.
 pub(super) fn bounding(matter: &Matter) -> Result<ScalarFactor, DeformableError> {
-    let matrix = scalar_matrix(matter, &matter.law.edges());
+    let matrix = scalar_matrix(matter, &matter.law.edges(Weight::Bounding));
     Ok(ScalarFactor::new(&matrix, &places(matter))?)
 }
 

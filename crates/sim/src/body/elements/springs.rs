@@ -9,7 +9,7 @@
 //! isotropic membrane with ν = 1/3; with the area A of a cell, every cell gives each of its edges
 //! 3/8 E t A / l² and each diagonal twice that.
 
-use super::cells::{CellGrid, EDGES, FACES};
+use crate::body::cells::{CellGrid, EDGES, FACES};
 use palpate_geometry::math::Point3;
 use std::collections::BTreeMap;
 

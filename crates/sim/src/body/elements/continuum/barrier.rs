@@ -9,6 +9,7 @@ use super::hessian::cell_tangent;
 use super::kernel::{self, times};
 use super::rest::RestCell;
 use crate::body::cells::Cell;
+use crate::body::elements::{Edge, ForceLaw, Weight};
 use palpate_geometry::math::lanes::{Baseline, Four, Lanes};
 use palpate_geometry::math::{Lane, Matrix3, Point3};
 
@@ -89,6 +90,7 @@ impl VolumeBarrier {
     /// Adds −∂Ψ/∂x (N) at `places`; answers with the number of crushed cells whose pressure is held
     /// back, which is then no gradient, where they are many.
     pub fn add_forces(&self, places: &[Lane], residual: &mut [Lane]) -> u32 {
+        debug_assert_eq!(places.len(), residual.len(), "one place and force a node");
         let held = self.add_forces_and_count(places, residual);
         match f64::from(held) < MANY * self.cells.len() as f64 {
             true => 0,
@@ -106,19 +108,6 @@ impl VolumeBarrier {
         add_forces::<Baseline>(&self.blocks, places, residual)
     }
 
-    /// Hands out blocks (a, b, block), a >= b, N/m, of a solid of part of the modulus: what springs of
-    /// long thin cells lack, which give way sideways at rest and are held by their tension once they
-    /// are drawn, and what the barrier adds.
-    pub(in crate::body) fn support_at_rest(&self, out: &mut impl FnMut(u32, u32, Matrix3)) {
-        for (cell, young_pa) in &self.cells {
-            let elastic = Elastic {
-                young_pa: SUPPORT * young_pa,
-                poisson: 0.25,
-            };
-            cell_tangent(&self.rest, cell, &elastic, out);
-        }
-    }
-
     /// Ψ, J.
     pub fn energy_j(&self, places: &[Lane]) -> f64 {
         let mut energy = 0.0;
@@ -132,6 +121,36 @@ impl VolumeBarrier {
             }
         }
         energy
+    }
+}
+
+impl ForceLaw for VolumeBarrier {
+    fn add_forces(&self, places: &[Lane], residual: &mut [Lane], _: f64) -> u32 {
+        self.add_forces(places, residual)
+    }
+
+    fn energy_j(&self, places: &[Lane]) -> f64 {
+        self.energy_j(places)
+    }
+
+    fn edges(&self, _: Weight) -> Vec<Edge> {
+        Vec::new()
+    }
+
+    /// Of a solid of part of the modulus: what springs of long thin cells lack, which give way sideways at rest and
+    /// are held by their tension once they are drawn, and what the barrier adds.
+    fn tangent_at_rest(&self, _: f64, out: &mut dyn FnMut(u32, u32, Matrix3)) {
+        for (cell, young_pa) in &self.cells {
+            let elastic = Elastic {
+                young_pa: SUPPORT * young_pa,
+                poisson: 0.25,
+            };
+            cell_tangent(&self.rest, cell, &elastic, out);
+        }
+    }
+
+    fn is_safeguard(&self) -> bool {
+        true
     }
 }
 

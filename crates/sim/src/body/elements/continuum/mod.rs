@@ -22,12 +22,11 @@ mod kernel;
 mod patch;
 mod rest;
 #[cfg(test)]
-pub(super) mod tests;
+pub(in crate::body) mod tests;
 
-use super::cells::{Cell, CellGrid};
+use crate::body::cells::{Cell, CellGrid};
 pub use barrier::VolumeBarrier;
-pub(super) use bound::TANGENT_REACH;
-pub use bound::Weight;
+pub(in crate::body) use bound::TANGENT_REACH;
 pub use elastic::Elastic;
 pub(in crate::body) use flow::CellFlow;
 use kernel::CellBlock;
@@ -401,7 +400,7 @@ fn too_distorted(grid: &CellGrid, cell: &Cell) -> Option<f64> {
 }
 
 /// How many cells [`ContinuumLaw::new`] would refuse.
-pub(super) fn refused_cells(grid: &CellGrid) -> usize {
+pub(in crate::body) fn refused_cells(grid: &CellGrid) -> usize {
     let refused = |cell: &&Cell| too_distorted(grid, cell).is_some();
     grid.cells.iter().filter(refused).count()
 }

@@ -98,7 +98,7 @@ pub(super) fn cell_tangent(
     nodes: &[Point3],
     cell: &Cell,
     elastic: &Elastic,
-    out: &mut impl FnMut(u32, u32, Matrix3),
+    out: &mut (impl FnMut(u32, u32, Matrix3) + ?Sized),
 ) {
     let rest = RestCell::new(nodes, cell);
     let x = cell.map(|node| nodes[node as usize].coords);

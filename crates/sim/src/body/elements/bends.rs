@@ -10,7 +10,8 @@
 //! off as a first derivative: v − p (x₊ − x₋) − q (x_r − x_l), with the neighbours left and right of
 //! the row. Around a flat pole that makes w′/r of the deflection w, the curvature around.
 
-use super::sheet::Row;
+use super::{Edge, ForceLaw, Weight};
+use crate::body::sheet::Row;
 use palpate_geometry::math::{Lane, Matrix3, Point3, Vector3};
 
 /// Most nodes of a bend: one before, the middle, two after, left and right.
@@ -88,7 +89,7 @@ impl Bend {
     }
 
     /// w s sᵀ as edges (a, b, k) of a Laplacian: its rows sum to zero.
-    pub fn edges(&self) -> Vec<(u32, u32, f64)> {
+    fn edges(&self) -> Vec<Edge> {
         let mut edges = Vec::new();
         for (k, (i, s)) in self.terms().enumerate() {
             for (j, t) in self.terms().skip(k + 1) {
@@ -99,7 +100,7 @@ impl Bend {
     }
 
     /// Hands out blocks of w s sᵀ, each pair of nodes once.
-    pub(super) fn tangent(&self, out: &mut impl FnMut(u32, u32, Matrix3)) {
+    fn tangent(&self, out: &mut dyn FnMut(u32, u32, Matrix3)) {
         for (k, (i, s)) in self.terms().enumerate() {
             for (j, t) in self.terms().take(k + 1) {
                 out(i, j, Matrix3::from_diagonal_element(self.stiffness * s * t));
@@ -118,7 +119,7 @@ impl Bend {
     }
 
     /// Adds −∂E/∂x.
-    pub(super) fn add_force(&self, places: &[Lane], residual: &mut [Lane]) {
+    fn add_force(&self, places: &[Lane], residual: &mut [Lane]) {
         let v = self.second_derivative(places);
         let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
         let share = if length > 0.0 {
@@ -134,10 +135,38 @@ impl Bend {
     }
 
     /// Elastic energy, J.
-    pub(super) fn energy_j(&self, places: &[Lane]) -> f64 {
+    fn energy_j(&self, places: &[Lane]) -> f64 {
         let v = self.second_derivative(places);
         let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
         0.5 * self.stiffness * (length - self.rest).powi(2)
+    }
+}
+
+impl ForceLaw for Vec<Bend> {
+    fn add_forces(&self, places: &[Lane], residual: &mut [Lane], _: f64) -> u32 {
+        self.iter()
+            .for_each(|bend| bend.add_force(places, residual));
+        0
+    }
+
+    fn energy_j(&self, places: &[Lane]) -> f64 {
+        self.iter().map(|bend| bend.energy_j(places)).sum()
+    }
+
+    fn edges(&self, _: Weight) -> Vec<Edge> {
+        self.iter().flat_map(Bend::edges).collect()
+    }
+
+    fn tangent_at_rest(&self, _: f64, out: &mut dyn FnMut(u32, u32, Matrix3)) {
+        self.iter().for_each(|bend| bend.tangent(out));
+    }
+
+    fn is_of_sheets(&self) -> bool {
+        !self.is_empty()
+    }
+
+    fn is_safeguard(&self) -> bool {
+        self.is_empty()
     }
 }
 

@@ -15,6 +15,7 @@ pub struct Elastic {
 impl Elastic {
     /// Lamé's μ = E / (2 (1 + ν)) and λ = E ν / ((1 + ν) (1 − 2 ν)), Pa.
     pub fn lame_pa(&self) -> (f64, f64) {
+        debug_assert!(self.poisson < 0.5, "λ has no bound");
         let Self { young_pa, poisson } = *self;
         let shear = young_pa / (2.0 * (1.0 + poisson));
         (

@@ -94,6 +94,7 @@ pub(super) fn blocks(
     elastic: &[Elastic],
     first: usize,
 ) -> (Vec<CellBlock>, Patch) {
+    debug_assert_eq!(cells.len(), elastic.len(), "a material a cell");
     let kept: Vec<Elastic> = elastic.iter().map(own).collect();
     let mut blocks = Vec::new();
     for (cells, kept) in cells.chunks(4).zip(kept.chunks(4)) {
@@ -130,6 +131,10 @@ pub(super) fn blocks(
 impl Patch {
     /// Its blocks among all.
     pub(super) fn of<'a>(&self, blocks: &'a [CellBlock]) -> &'a [CellBlock] {
+        debug_assert!(
+            self.first + self.count.div_ceil(4) <= blocks.len(),
+            "a patch of these blocks"
+        );
         &blocks[self.first..self.first + self.count]
     }
 
@@ -144,6 +149,7 @@ impl Patch {
         residual: &mut [Lane],
         farther: f64,
     ) -> bool {
+        debug_assert_eq!(places.len(), residual.len(), "one place and force a node");
         let of_patch = self.of(blocks);
         let Some(own) = block::metrics_of::<1>(&of_patch[0], metrics, self.first) else {
             return false;

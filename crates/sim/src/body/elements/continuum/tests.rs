@@ -9,6 +9,7 @@ mod stability;
 mod statics;
 
 use super::*;
+use crate::body::elements::Weight;
 use crate::body::layers::{RingEnds, Rings, rings};
 pub(in crate::body) use palpate_geometry::math::Random;
 use palpate_geometry::math::{Cholesky, SymmetricTriplets, Vector3};

@@ -3,8 +3,9 @@
 use super::elastic::Elastic;
 use super::hessian::{cell_hessian, cell_tangent, without_negative};
 use super::rest::RestCell;
-use super::{ContinuumLaw, patch};
+use super::{ContinuumLaw, Points, patch};
 use crate::body::cells::Cell;
+use crate::body::elements::{Edge, ForceLaw, Weight};
 use palpate_geometry::math::{Lane, Matrix3, Vector3};
 use std::collections::BTreeMap;
 
@@ -18,20 +19,35 @@ const LEAST_LAME: f64 = 20.0;
 /// How much farther than the bounding matrix the tangent of the step follows cells.
 pub(in crate::body) const TANGENT_REACH: f64 = 1.6;
 
-/// What a Laplacian stands for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Weight {
-    /// At least 3/4 of any tangent that is not held back.
-    Bounding,
-    /// Bounds the stresses of a strained solid.
-    Firm,
-    /// Gives way under a force on a small part of the surface as the solid does.
-    Response,
-}
-
 /// Weight of the Laplacian that gives way as an elastic half-space does, Pa.
 fn response_pa(elastic: &Elastic) -> f64 {
     elastic.lame_pa().0 / (1.0 - elastic.poisson)
+}
+
+impl ForceLaw for ContinuumLaw {
+    fn add_forces(&self, places: &[Lane], residual: &mut [Lane], farther: f64) -> u32 {
+        (self.add_forces_reaching(&[], places, residual, farther)).limited
+    }
+
+    fn energy_j(&self, places: &[Lane]) -> f64 {
+        self.energy_j(places)
+    }
+
+    fn edges(&self, of: Weight) -> Vec<Edge> {
+        let mut edges = self.laplacian(of);
+        if of == Weight::Steepest {
+            // The step follows tangents up to 4/3 of its own matrix.
+            edges.iter_mut().for_each(|(_, _, k)| *k *= 4.0 / 3.0);
+        }
+        edges
+    }
+
+    fn tangent_at_rest(&self, strain: f64, out: &mut dyn FnMut(u32, u32, Matrix3)) {
+        match self.points {
+            Points::Eight => self.tangent_at_points(strain, out),
+            Points::Centre => self.tangent_at_centres(strain, out),
+        }
+    }
 }
 
 impl ContinuumLaw {
@@ -42,7 +58,7 @@ impl ContinuumLaw {
         for (cell, elastic) in self.cells.iter().zip(&self.materials) {
             let rest = RestCell::new(&self.rest, cell);
             let weight = match of {
-                Weight::Bounding => elastic.bounding_pa(),
+                Weight::Bounding | Weight::Steepest => elastic.bounding_pa(),
                 Weight::Firm => 2.0 * elastic.lame_pa().0,
                 Weight::Response => response_pa(elastic),
             };
@@ -66,10 +82,10 @@ impl ContinuumLaw {
     /// Hands out blocks (a, b, ∂²Ψ/∂x_a∂x_b), N/m, at rest, a >= b, in parts to be added, with shear
     /// and volume a little stiffer than they are, so that nearly incompressible cells can be followed
     /// up to a `strain`.
-    pub(in crate::body) fn tangent_at_rest(
+    pub(in crate::body) fn tangent_at_points(
         &self,
         strain: f64,
-        out: &mut impl FnMut(u32, u32, Matrix3),
+        out: &mut (impl FnMut(u32, u32, Matrix3) + ?Sized),
     ) {
         for (cell, elastic) in self.cells.iter().zip(&self.materials) {
             let (shear, lame) = self.kept_with_margins(elastic, strain);
@@ -87,7 +103,7 @@ impl ContinuumLaw {
     pub(in crate::body) fn tangent_at_centres(
         &self,
         strain: f64,
-        out: &mut impl FnMut(u32, u32, Matrix3),
+        out: &mut (impl FnMut(u32, u32, Matrix3) + ?Sized),
     ) {
         for (cell, elastic) in self.cells.iter().zip(&self.materials) {
             let (shear, lame) = self.kept_with_margins(elastic, strain);

@@ -7,8 +7,8 @@
 mod panels;
 mod pull;
 
-use super::material::Stiffening;
 use super::springs::Spring;
+use crate::body::material::Stiffening;
 use palpate_geometry::math::lanes::{Baseline, Four, Lanes};
 use palpate_geometry::math::{Lane, Point3, simd};
 pub use panels::ByCoordinate;
@@ -18,7 +18,7 @@ use pull::Pull;
 /// Springs four by four: first those in panels, then the others. The last block is filled up with
 /// springs without stiffness from a node to itself.
 #[derive(Clone, Debug, Default)]
-pub(super) struct SpringTable {
+pub(in crate::body) struct SpringTable {
     panels: Panels,
     /// (blocks of loose springs).
     a: Vec<[u32; 4]>,
@@ -36,7 +36,7 @@ const WINDOW: usize = 64;
 
 impl SpringTable {
     /// Of springs in the order of their nodes, a < b.
-    pub(super) fn new(springs: &[Spring], stiffening: Option<Stiffening>) -> Self {
+    pub(in crate::body) fn new(springs: &[Spring], stiffening: Option<Stiffening>) -> Self {
         let Grouped {
             panels,
             stiffness,
@@ -97,17 +97,17 @@ impl SpringTable {
     }
 
     /// Number of springs.
-    pub(super) fn len(&self) -> usize {
+    pub(in crate::body) fn len(&self) -> usize {
         self.count
     }
 
     /// Rest lengths at the start, four by four.
-    pub(super) fn rest(&self) -> &[Four] {
+    pub(in crate::body) fn rest(&self) -> &[Four] {
         &self.rest
     }
 
     /// The largest 1 − rest length / length of a spring at `places` (nodes); 0 where none is drawn.
-    pub(super) fn tautness(&self, rest: &[Four], places: &[Lane]) -> f64 {
+    pub(in crate::body) fn tautness(&self, rest: &[Four], places: &[Lane]) -> f64 {
         // Of squares, so that there is one root.
         let mut least = 1.0_f64;
         for (block, place, a, b, _) in self.each() {
@@ -120,7 +120,9 @@ impl SpringTable {
     }
 
     /// Springs by block and place: (block, place, a, b, k).
-    pub(super) fn each(&self) -> impl Iterator<Item = (usize, usize, usize, usize, f64)> + '_ {
+    pub(in crate::body) fn each(
+        &self,
+    ) -> impl Iterator<Item = (usize, usize, usize, usize, f64)> + '_ {
         let groups = self.panels.len();
         // Only the last block of loose springs may be short.
         let loose = (0..self.loose_count).map(move |k| {
@@ -137,12 +139,12 @@ impl SpringTable {
     }
 
     /// Buffers of a pass.
-    pub(super) fn buffers(&self) -> ByCoordinate {
+    pub(in crate::body) fn buffers(&self) -> ByCoordinate {
         self.panels.buffers()
     }
 
     /// Adds forces (N) to `residual`; `rest`: lengths without force, four by four.
-    pub(super) fn add_forces(
+    pub(in crate::body) fn add_forces(
         &self,
         rest: &[Four],
         places: &[Lane],
@@ -220,7 +222,7 @@ impl SpringTable {
     }
 
     /// Σ of the springs' energies, J.
-    pub(super) fn energy_j(&self, rest: &[Four], at: impl Fn(usize) -> Point3) -> f64 {
+    pub(in crate::body) fn energy_j(&self, rest: &[Four], at: impl Fn(usize) -> Point3) -> f64 {
         let energy = |(block, place, a, b, k): (usize, usize, usize, usize, f64)| {
             let (length, rest) = ((at(b) - at(a)).norm(), rest[block][place]);
             let mut twice = (length - rest).powi(2);

@@ -5,7 +5,7 @@
 //! transposed. A lane without a spring has no stiffness.
 
 use super::pull::Pull;
-use crate::body::springs::Spring;
+use crate::body::elements::springs::Spring;
 use palpate_geometry::math::Lane;
 use palpate_geometry::math::lanes::{Four, Lanes};
 

@@ -50,6 +50,10 @@ pub(super) fn energy(block: &CellBlock, metrics: &[[Four; 6]; 8], places: &[Lane
 
 /// Up to four cells. The places of missing ones are those of the first, their stiffness is zero.
 pub(super) fn block(nodes: &[Point3], cells: &[Cell], materials: &[Elastic]) -> CellBlock {
+    debug_assert!(
+        cells.len() == materials.len() && (1..=4).contains(&cells.len()),
+        "up to four cells"
+    );
     let mut block = CellBlock {
         count: cells.len(),
         metric: [[[0.0; 4]; 6]; 8],

@@ -1,0 +1,233 @@
+//! Laws of matter: the internal forces of a body.
+//!
+//! A law is one file here, which implements [`ForceLaw`], and a line in [`MaterialLaw`]'s constructors.
+
+mod bends;
+pub mod continuum;
+pub mod spring_table;
+pub mod springs;
+
+use super::material::Stiffening;
+pub use bends::Bend;
+use continuum::{ContinuumLaw, VolumeBarrier};
+use palpate_geometry::math::{Lane, Matrix3, Point3, Vector3};
+use spring_table::{ByCoordinate, SpringTable};
+use springs::Spring;
+use std::fmt::Debug;
+
+/// An edge (a, b, k) of a Laplacian Σ k (e_a − e_b)(e_a − e_b)ᵀ, N/m.
+pub type Edge = (u32, u32, f64);
+
+/// What a Laplacian stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Weight {
+    /// At least 3/4 of any tangent that is not held back: a step that starts from the inertial prediction is
+    /// stable with it.
+    Bounding,
+    /// Firm against turning: bounds the stresses of a strained solid.
+    Firm,
+    /// Gives way under a force on a small part of the surface as the body does, κ = μ / (1 − ν): a half-space of
+    /// conductivity κ and an elastic half-space (Boussinesq) are displaced alike below the force.
+    Response,
+    /// No less than any tangent: what explicit steps must resolve.
+    Steepest,
+}
+
+/// A law of matter beside springs. Places are those of nodes, m, the fourth number ignored.
+pub(crate) trait ForceLaw: Debug + Send + Sync {
+    /// Adds −∂E/∂x, N; `farther`: how much farther than the bounding matrix the step follows cells. Answers with the
+    /// number of cells that were held back.
+    fn add_forces(&self, places: &[Lane], residual: &mut [Lane], farther: f64) -> u32;
+
+    /// Elastic energy, J.
+    fn energy_j(&self, places: &[Lane]) -> f64;
+
+    /// Its part of a Laplacian.
+    fn edges(&self, of: Weight) -> Vec<Edge>;
+
+    /// Hands out blocks (a, b, ∂²E/∂x_a∂x_b), N/m, at rest, a >= b or its mirror, each pair of nodes once or in
+    /// parts.
+    fn tangent_at_rest(&self, strain: f64, out: &mut dyn FnMut(u32, u32, Matrix3));
+
+    /// It resists bending alone, as sheets do: out of plane they are as stiff as they are drawn.
+    fn is_of_sheets(&self) -> bool {
+        false
+    }
+
+    /// Methods that know springs alone may leave it out.
+    fn is_safeguard(&self) -> bool {
+        false
+    }
+}
+
+/// How much stiffer than at rest the springs of the step's tangent are; the support of their cells is
+/// added to them.
+const SPRING_MARGIN: f64 = 1.0;
+
+/// Springs, bends for membranes, or a continuum energy.
+#[derive(Debug, Default)]
+pub struct MaterialLaw {
+    pub(in crate::body) springs: SpringTable,
+    /// The solid, whose cells may flow.
+    pub(in crate::body) continuum: Option<ContinuumLaw>,
+    /// Bends of sheets; what keeps the cells of a lattice from being crushed; of flat cells, whose `continuum` is
+    /// integrated at their centres, a small share at their Gauss points, so that no motion is without energy.
+    others: Vec<Box<dyn ForceLaw>>,
+    /// Greatest slope of the springs, relative to that at rest.
+    slope: f64,
+}
+
+impl MaterialLaw {
+    /// Springs of a solid.
+    pub fn springs(springs: &[Spring], stiffening: Option<Stiffening>) -> Self {
+        Self {
+            springs: SpringTable::new(springs, stiffening),
+            slope: stiffening.map_or(1.0, |law| law.greatest_ratio()),
+            ..Self::default()
+        }
+    }
+
+    /// Springs and bends of a sheet.
+    pub fn membrane(springs: &[Spring], stiffening: Option<Stiffening>, bends: Vec<Bend>) -> Self {
+        Self::springs(springs, stiffening).with(bends)
+    }
+
+    /// Keeps cells from being crushed.
+    pub fn with_barrier(self, barrier: VolumeBarrier) -> Self {
+        self.with(barrier)
+    }
+
+    /// A continuum energy.
+    pub fn continuum(continuum: ContinuumLaw) -> Self {
+        Self {
+            continuum: Some(continuum),
+            slope: 1.0,
+            ..Self::default()
+        }
+    }
+
+    /// The energy of flat cells: most of it at their centres, a share at their Gauss points.
+    pub fn flat_continuum(at_centres: ContinuumLaw, at_points: ContinuumLaw) -> Self {
+        Self::continuum(at_centres).with(at_points)
+    }
+
+    fn with(mut self, law: impl ForceLaw + 'static) -> Self {
+        self.others.push(Box::new(law));
+        self
+    }
+
+    /// The laws beside springs.
+    fn laws(&self) -> impl Iterator<Item = &dyn ForceLaw> {
+        let continuum = self.continuum.iter().map(|law| law as &dyn ForceLaw);
+        continuum.chain(self.others.iter().map(|law| &**law))
+    }
+
+    /// Edges of a Laplacian. A spring's tangent is at most its slope, whatever its length and direction; in the
+    /// bounding one stiffening springs count with 3/4 of their steepest slope, if that is more than their slope at
+    /// rest.
+    pub(in crate::body) fn edges(&self, of: Weight) -> Vec<Edge> {
+        let scale = match of {
+            Weight::Bounding => (0.76 * self.slope).max(1.0),
+            Weight::Firm => 0.5 * self.slope,
+            // Springs that make a solid of modulus E with ν = 1/4 have a Laplacian of 2 E.
+            Weight::Response => 4.0 / 15.0,
+            Weight::Steepest => self.slope,
+        };
+        let springs = self.spring_edges(scale);
+        springs
+            .chain(self.laws().flat_map(|law| law.edges(of)))
+            .collect()
+    }
+
+    fn spring_edges(&self, scale: f64) -> impl Iterator<Item = Edge> {
+        let each = self.springs.each();
+        each.map(move |(_, _, a, b, k)| (a as u32, b as u32, k * scale))
+    }
+
+    /// Hands out blocks (a, b, ∂²E/∂x_a∂x_b), N/m, at rest, a >= b or its mirror, each pair of nodes
+    /// once or in parts; a little more than the law's own, so that strained states stay below 4/3 of
+    /// it. `places`: (nodes) at rest.
+    pub(in crate::body) fn tangent_at_rest(
+        &self,
+        places: &[Lane],
+        strain: f64,
+        out: &mut impl FnMut(u32, u32, Matrix3),
+    ) {
+        let at = |k: usize| Vector3::new(places[k][0], places[k][1], places[k][2]);
+        let scale = SPRING_MARGIN * (0.76 * self.slope).max(1.0);
+        for (_, _, a, b, k) in self.springs.each() {
+            let Some(way) = (at(b) - at(a)).try_normalize(0.0) else {
+                continue;
+            };
+            let block = way * way.transpose() * (k * scale);
+            out(a as u32, a as u32, block);
+            out(b as u32, b as u32, block);
+            out(a as u32, b as u32, -block);
+        }
+        self.laws().for_each(|law| law.tangent_at_rest(strain, out));
+    }
+
+    /// Hands out what cells that share a pressure add to that tangent: k g gᵀ, g by node (m²) and k in N/m⁵.
+    pub(in crate::body) fn shared_at_rest(&self, out: &mut impl FnMut(&[(u32, Vector3)], f64)) {
+        if let Some(law) = &self.continuum {
+            law.shared_at_rest(out);
+        }
+    }
+
+    /// Edges of the Laplacian that springs drawn to a tautness, 1 − rest length / length, have out of
+    /// plane.
+    pub(in crate::body) fn taut_edges(&self, taut: f64) -> Vec<Edge> {
+        let each = self.springs.each();
+        each.map(|(_, _, a, b, k)| (a as u32, b as u32, k * self.slope * taut))
+            .collect()
+    }
+
+    /// How taut the tautest spring is at `places` (nodes): 1 − rest length / length, 0 where none is
+    /// drawn.
+    pub(in crate::body) fn tautness(&self, rest: &[Lane], places: &[Lane]) -> f64 {
+        self.springs.tautness(rest, places)
+    }
+
+    /// True for solids, whose tangent at rest resists every motion but rigid ones. Rows of a
+    /// membrane carry their own tension.
+    pub(in crate::body) fn is_solid(&self) -> bool {
+        !self.laws().any(|law| law.is_of_sheets())
+    }
+
+    /// True without bends and without stiffening.
+    pub(in crate::body) fn is_plain_springs(&self) -> bool {
+        self.slope == 1.0 && self.laws().all(|law| law.is_safeguard())
+    }
+
+    /// Adds −∂E/∂x, N. `rest`: lengths of the springs without force, or metrics of cells that flow; `farther`: how much farther than
+    /// the bounding matrix the step follows cells. Answers with the number of
+    /// cells that were held back.
+    pub(in crate::body) fn add_forces(
+        &self,
+        rest: &[Lane],
+        places: &[Lane],
+        residual: &mut [Lane],
+        buffers: &mut ByCoordinate,
+        farther: f64,
+    ) -> u32 {
+        debug_assert_eq!(places.len(), residual.len(), "one place and force a node");
+        self.springs.add_forces(rest, places, residual, buffers);
+        let mut held = 0;
+        for law in &self.others {
+            held += law.add_forces(places, residual, farther);
+        }
+        if let Some(continuum) = &self.continuum {
+            held += (continuum.add_forces_reaching(rest, places, residual, farther)).limited;
+        }
+        held
+    }
+
+    /// Elastic energy, J.
+    pub(in crate::body) fn energy_j(&self, rest: &[Lane], places: &[Lane]) -> f64 {
+        let at = |k: usize| Point3::new(places[k][0], places[k][1], places[k][2]);
+        let continuum = self.continuum.as_ref();
+        let continuum = continuum.map_or(0.0, |law| law.energy_flowed_j(rest, places));
+        let others: f64 = self.others.iter().map(|law| law.energy_j(places)).sum();
+        self.springs.energy_j(rest, at) + continuum + others
+    }
+}
