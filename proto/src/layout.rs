@@ -292,7 +292,10 @@ macro_rules! messages {
         pub mod $module { $(
             $(#[doc = $flag_doc])*
             pub const $flag: u32 = 1 << $bit;
-        )* }
+        )*
+            /// Every bit with its name, lowest first.
+            pub const NAMES: &[(u32, &str)] = &[$( ($flag, stringify!($flag)) ),*];
+        }
         $crate::layout::messages! { @ [$($all)*]
             [$($item,)* $crate::layout::Item::Flags(&$crate::layout::Flags {
                 name: stringify!($name),

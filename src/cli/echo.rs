@@ -90,20 +90,6 @@ fn hex(bytes: &[u8]) -> String {
     text
 }
 
-/// Names of the bits of `flags` of a force, lowest first.
-const FORCE_FLAGS: [(u32, &str); 10] = [
-    (force_flags::STALE, "STALE"),
-    (force_flags::SATURATED, "SATURATED"),
-    (force_flags::PAUSED, "PAUSED"),
-    (force_flags::REFUSED, "REFUSED"),
-    (force_flags::RAMPING, "RAMPING"),
-    (force_flags::FAULT, "FAULT"),
-    (force_flags::GRABBING, "GRABBING"),
-    (force_flags::DAMPED, "DAMPED"),
-    (force_flags::WITHHELD, "WITHHELD"),
-    (force_flags::DEGRADED, "DEGRADED"),
-];
-
 /// Writes the flags of a force by their names; bits without one stay a number.
 fn name_flags(seen: &Seen, value: &mut Value) {
     let Some(bits) = value["flags"]
@@ -112,13 +98,10 @@ fn name_flags(seen: &Seen, value: &mut Value) {
     else {
         return;
     };
-    let known = FORCE_FLAGS
-        .iter()
-        .filter(|(bit, _)| bits & u64::from(*bit) != 0);
+    let names = force_flags::NAMES.iter();
+    let known = (names.clone()).filter(|(bit, _)| bits & u64::from(*bit) != 0);
     let mut names: Vec<Value> = known.map(|(_, name)| (*name).into()).collect();
-    let rest = FORCE_FLAGS
-        .iter()
-        .fold(bits, |rest, (bit, _)| rest & !u64::from(*bit));
+    let rest = names.fold(bits, |rest, (bit, _)| rest & !u64::from(*bit));
     if rest != 0 {
         names.push(rest.into());
     }

@@ -74,14 +74,9 @@ fn tell_tool(out: &mut String, tool: &ToolExplained) {
             borne * 1e2
         );
     }
-    for (bit, name) in [
-        (flags::DEGRADED, "degraded"),
-        (flags::WITHHELD, "withheld: it was seated inside a body"),
-        (flags::RAMPING, "ramping"),
-        (flags::SATURATED, "saturated"),
-    ] {
+    for (bit, name) in force_flags::NAMES {
         if bits & bit != 0 {
-            let _ = write!(out, "; {name}");
+            let _ = write!(out, "; {}", name.to_lowercase());
         }
     }
     out.push('\n');

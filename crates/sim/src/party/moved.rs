@@ -116,7 +116,8 @@ impl Of<'_, &Mover> {
                     Pose::from_parts(link.pose.position.coords.into(), link.pose.orientation);
                 towards(now, &(device * start.inverse() * mover.placement), dt_s)
             }
-            MovedBy::Forces(_) => return *now,
+            // Contact moves it: another kind of party.
+            _ => return *now,
         };
         next
     }

@@ -36,6 +36,11 @@ pub(crate) enum MovedBy {
 }
 
 impl Mover {
+    /// Contact moves it.
+    pub fn gives_way(&self) -> bool {
+        self.free().is_some()
+    }
+
     /// The constants of a body that forces move.
     pub fn free(&self) -> Option<&Free> {
         match &self.by {

@@ -69,7 +69,7 @@ impl Body {
 
     /// It gives way to nothing: it is rigid, and no force moves it.
     pub fn is_firm(&self) -> bool {
-        !self.is_soft() && self.free().is_none()
+        !self.is_soft() && !self.mover.as_ref().is_some_and(Mover::gives_way)
     }
 }
 
