@@ -1,6 +1,6 @@
 //! Bodies that rest on others.
 //!
-//! A pile that lies still costs as much as one that falls, tick after tick, to come to the same forces.
+//! A pile that lies still costs as much as one that falls, tick after tick, for the same forces.
 //! So bodies that nothing but other bodies touches, and in which nothing has moved for a while, are left
 //! alone together with their contacts: neither queries nor steps, until anything that is not at rest, a
 //! tool or a body, comes near one of those they may lean on. The forces of their contacts stay in the
@@ -14,7 +14,7 @@ use crate::scene::{Pair, Scene};
 use crate::solve::rows::Holder;
 use crate::tick::record::ContactReport;
 
-/// Settles which bodies are left alone in this tick. Pairs that can touch are marked.
+/// Settles which bodies sleep in this tick. Pairs that can touch are marked.
 pub(crate) fn settle(
     scene: &Scene,
     around: &Around<'_>,
@@ -23,15 +23,15 @@ pub(crate) fn settle(
     near: &Near,
     rest: &mut Rest,
 ) {
-    let calm = |bodies: &[BodyState], b: usize| bodies[b].lies_calm() && scene.party(b).may_rest();
-    if !(0..bodies.len()).any(|b| calm(bodies, b)) {
+    let quiet = |bodies: &[BodyState], b: usize| bodies[b].lies_calm() && scene.party(b).may_rest();
+    if !(0..bodies.len()).any(|b| quiet(bodies, b)) {
         return;
     }
     let awake = &mut rest.awake;
     for (b, body) in scene.bodies.iter().enumerate() {
         awake[b] = match body.is_firm() {
             true => moves(&bodies[b], &parts[b]),
-            false => !calm(bodies, b),
+            false => !quiet(bodies, b),
         };
     }
     let pairs = || (scene.pairs.iter().enumerate()).filter(|&(p, _)| near.is_near(p));
@@ -60,7 +60,7 @@ pub(crate) fn settle(
         }
     }
     for b in 0..bodies.len() {
-        let leave = calm(bodies, b) && !awake[b];
+        let leave = quiet(bodies, b) && !awake[b];
         if bodies[b].is_left_alone() != leave {
             (scene.party(b)).leave_alone(around, &mut bodies[b], &mut parts[b], leave);
         }
@@ -72,7 +72,7 @@ fn moves(state: &BodyState, parts: &BodyScratch) -> bool {
     state.moved_m > 0.0 || parts.step.most_m > 0.0
 }
 
-/// Both bodies of a pair are left alone, or one and the other is rigid and stands still.
+/// Both bodies of a pair sleep, or one and the other is rigid and stands still.
 pub(crate) fn lies(
     scene: &Scene,
     states: &[BodyState],
@@ -91,14 +91,14 @@ pub(crate) fn lies(
     still(a) && still(b) && !(firm(a) && firm(b))
 }
 
-/// Buffers; the state says which bodies are left alone.
+/// Buffers; the state says which bodies sleep.
 #[derive(Debug, Default)]
 pub(crate) struct Rest {
     /// By body: something moves it, or may.
     pub awake: Vec<bool>,
     /// By pair: `reports` holds its contacts.
     pub reported: Vec<bool>,
-    /// Contacts of pairs left alone, by pair.
+    /// Contacts of sleeping pairs, by pair.
     pub reports: Vec<(u32, ContactReport)>,
     /// Their rows, in order.
     pub rows: Vec<WarmRow>,
@@ -125,7 +125,7 @@ impl Rest {
         self.reports.clear();
         self.rows.clear();
     }
-    /// A pair is not left alone.
+    /// A pair is awake.
     pub(crate) fn wake(&mut self, p: usize) {
         if std::mem::take(&mut self.reported[p]) {
             self.reports.retain(|(pair, _)| *pair != p as u32);

@@ -43,7 +43,7 @@ clone_in_place!(BodyState {
 });
 
 impl BodyState {
-    /// It lies at rest, and may be left alone with its contacts.
+    /// It lies at rest, and may sleep with its contacts.
     pub(crate) fn lies_calm(&self) -> bool {
         let free = self.rigid.as_ref().and_then(RigidState::flight);
         self.deformable
@@ -52,7 +52,7 @@ impl BodyState {
             || free.is_some_and(|flight| flight.lies_calm())
     }
 
-    /// It is left alone.
+    /// It sleeps.
     pub(crate) fn is_left_alone(&self) -> bool {
         let free = self.rigid.as_ref().and_then(RigidState::flight);
         self.deformable

@@ -124,12 +124,12 @@ pub(crate) trait Party {
     /// A tick in which bodies do not move: what pressed it is forgotten.
     fn stand_still(&self, _field: Field, _state: &Self::State, _scratch: &mut Self::Scratch) {}
 
-    /// It can be left alone when it is calm.
+    /// It can sleep when it has been slow for a while.
     fn may_rest(&self) -> bool {
         false
     }
 
-    /// Leaves it alone, or takes it up again.
+    /// Lets it sleep, or wakes it.
     fn leave_alone(
         &self,
         _around: &Around<'_>,

@@ -18,7 +18,7 @@ pub struct Flight {
     /// Angular momentum about its centre of mass, kg·m²/s; in the world.
     pub momentum: Vector3,
     /// Ticks for which it has been slow, up to [`CALM_TICKS`].
-    calm: u32,
+    slow_ticks: u32,
     /// It lies at rest and neither moves nor is looked at.
     left_alone: bool,
 }
@@ -27,11 +27,15 @@ stateful!(Flight, |this, walk| {
     let Flight {
         velocity_m_s,
         momentum,
-        calm,
+        slow_ticks,
         left_alone,
     } = this;
-    walk.packed("rest of a free body", [(0, calm), (32, left_alone)])?;
-    walk.ensure(*calm <= CALM_TICKS, "calm ticks", u64::from(*calm))?;
+    walk.packed("rest of a free body", [(0, slow_ticks), (32, left_alone)])?;
+    walk.ensure(
+        *slow_ticks <= CALM_TICKS,
+        "slow ticks",
+        u64::from(*slow_ticks),
+    )?;
     walk.vector(velocity_m_s)?;
     walk.vector(momentum)
 });
@@ -48,7 +52,7 @@ impl Flight {
 
     /// It has been at rest for a while.
     pub(crate) fn lies_calm(&self) -> bool {
-        self.calm >= CALM_TICKS
+        self.slow_ticks >= CALM_TICKS
     }
 
     /// It lies at rest and neither moves nor is looked at.
@@ -60,12 +64,12 @@ impl Flight {
     pub(crate) fn leave_alone(&mut self, left_alone: bool) {
         *self = match left_alone {
             true => Self {
-                calm: CALM_TICKS,
+                slow_ticks: CALM_TICKS,
                 left_alone,
                 ..Self::default()
             },
             false => Self {
-                calm: 0,
+                slow_ticks: 0,
                 left_alone,
                 ..*self
             },
@@ -90,8 +94,8 @@ impl Flight {
         let next = Self {
             velocity_m_s,
             momentum,
-            calm: if slow {
-                (self.calm + 1).min(CALM_TICKS)
+            slow_ticks: if slow {
+                (self.slow_ticks + 1).min(CALM_TICKS)
             } else {
                 0
             },
@@ -167,7 +171,7 @@ impl Gives {
     }
 }
 
-/// How a free rigid body moves, for whoever measures.
+/// How a free rigid body moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RigidMotion {
     /// kg.

@@ -145,7 +145,7 @@ impl OnCoupling<'_> {
         self.tool.shape.ball_radius_m().is_some() && own.all(|pair| pair.method == Method::Exact)
     }
 
-    /// Finds what its rows' forces come to and what share of them its device bears.
+    /// Sums its rows' forces, and finds what share of them its device bears.
     pub(crate) fn weigh(
         &self,
         state: &ToolState,

@@ -31,7 +31,7 @@ pub struct Explanation {
     pub bodies: Vec<BodyExplained>,
 }
 
-/// What a tool's rows come to.
+/// The sum of a tool's rows.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ToolExplained {
     /// Its id.
@@ -78,7 +78,7 @@ pub struct RowExplained {
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ComplianceExplained {
     /// m/N: `tool:ID` is a coupling, `body:ID` what a body gives way, `near_field` how far a ball goes in
-    /// beyond what a net shows, `ease` what other rows carry in this one's stead.
+    /// beyond what a net shows, `ease` what other rows carry instead of it.
     pub by_party: BTreeMap<String, f64>,
     /// All of it, m/N.
     pub sum: f64,

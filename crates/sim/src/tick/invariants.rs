@@ -103,7 +103,7 @@ pub(super) fn of_rows(scene: &Scene, tools: &[ToolState], rows: &RowSet) {
                     rows.weights_in(row.on_holder).0.is_empty(),
                     "a tool has no weights"
                 );
-                debug_assert!(!away, "a row of nobody");
+                debug_assert!(!away, "a row of an absent tool");
             }
             Holder::Body(other) => weights(&scene.bodies[other as usize], row.on_holder),
         }
@@ -197,8 +197,11 @@ pub(super) fn of_output(
         );
         debug_assert!(own.grip.anchors().len() <= MAX_ANCHORS, "too many anchors");
         let away = own.link.phase == LinkPhase::Absent;
-        debug_assert!(!away || force_n == 0.0, "a force on nobody");
-        debug_assert!(!away || out.contact_count == 0, "a contact of nobody");
+        debug_assert!(!away || force_n == 0.0, "a force on an absent tool");
+        debug_assert!(
+            !away || out.contact_count == 0,
+            "a contact of an absent tool"
+        );
         let withheld = out.flags & flags::WITHHELD != 0;
         debug_assert!(!withheld || force_n == 0.0, "a withheld force that is felt");
     }
@@ -271,11 +274,11 @@ impl SceneState {
             );
             debug_assert!(
                 !own.is_left_alone() || own.lies_calm(),
-                "body {b}: left alone in motion"
+                "body {b}: resting in motion"
             );
             debug_assert!(
                 !body.is_firm() || !own.lies_calm(),
-                "body {b}: firm and calm"
+                "body {b}: firm and resting"
             );
             debug_assert!(
                 own.rigid.is_none_or(|rigid| is_unit(&rigid.rotation)),

@@ -18,7 +18,7 @@ use std::fmt::Debug;
 /// An edge (a, b, k) of a Laplacian Σ k (e_a − e_b)(e_a − e_b)ᵀ, N/m.
 pub type Edge = (u32, u32, f64);
 
-/// What a Laplacian stands for.
+/// What a Laplacian is used for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Weight {
     /// At least 3/4 of any tangent that is not held back: a step that starts from the inertial prediction is
