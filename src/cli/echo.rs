@@ -98,10 +98,10 @@ fn name_flags(seen: &Seen, value: &mut Value) {
     else {
         return;
     };
-    let names = force_flags::NAMES.iter();
-    let known = (names.clone()).filter(|(bit, _)| bits & u64::from(*bit) != 0);
+    let all = force_flags::NAMES.iter();
+    let known = (all.clone()).filter(|(bit, _)| bits & u64::from(*bit) != 0);
     let mut names: Vec<Value> = known.map(|(_, name)| (*name).into()).collect();
-    let rest = names.fold(bits, |rest, (bit, _)| rest & !u64::from(*bit));
+    let rest = all.fold(bits, |rest, (bit, _)| rest & !u64::from(*bit));
     if rest != 0 {
         names.push(rest.into());
     }

@@ -2,9 +2,9 @@
 
 use super::Outcome;
 use crate::recording::{Session, explain};
+use palpate_proto::messages::force_flags;
 use palpate_sim::body::FallBack;
 use palpate_sim::tick::explain::{BodyExplained, Explanation, RowExplained, ToolExplained};
-use palpate_sim::tick::flags;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
