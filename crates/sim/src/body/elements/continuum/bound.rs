@@ -44,8 +44,9 @@ impl ForceLaw for ContinuumLaw {
 
     fn tangent_at_rest(&self, strain: f64, out: &mut dyn FnMut(u32, u32, Matrix3)) {
         match self.points {
-            Points::Eight => self.tangent_at_points(strain, out),
-            Points::Centre => self.tangent_at_centres(strain, out),
+            Points::Centre if self.patches.is_empty() => self.tangent_at_centres(strain, out),
+            // The firmer one also where cells of patches are integrated at their centres.
+            Points::Eight | Points::Centre => self.tangent_at_points(strain, out),
         }
     }
 }
