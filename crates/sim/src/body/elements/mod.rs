@@ -164,7 +164,15 @@ impl MaterialLaw {
             out(b as u32, b as u32, block);
             out(a as u32, b as u32, -block);
         }
-        self.laws().for_each(|law| law.tangent_at_rest(strain, out));
+        match &self.continuum {
+            // Of flat cells.
+            Some(law) if !self.others.is_empty() => law.tangent_at_centres(strain, out),
+            Some(law) => law.tangent_at_rest(strain, out),
+            None => (),
+        }
+        for law in &self.others {
+            law.tangent_at_rest(strain, out);
+        }
     }
 
     /// Hands out what cells that share a pressure add to that tangent: k g gᵀ, g by node (m²) and k in N/m⁵.

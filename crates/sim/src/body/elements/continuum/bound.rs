@@ -3,7 +3,7 @@
 use super::elastic::Elastic;
 use super::hessian::{cell_hessian, cell_tangent, without_negative};
 use super::rest::RestCell;
-use super::{ContinuumLaw, Points, patch};
+use super::{ContinuumLaw, patch};
 use crate::body::cells::Cell;
 use crate::body::elements::{Edge, ForceLaw, Weight};
 use palpate_geometry::math::{Lane, Matrix3, Vector3};
@@ -43,11 +43,7 @@ impl ForceLaw for ContinuumLaw {
     }
 
     fn tangent_at_rest(&self, strain: f64, out: &mut dyn FnMut(u32, u32, Matrix3)) {
-        match self.points {
-            Points::Centre if self.patches.is_empty() => self.tangent_at_centres(strain, out),
-            // The firmer one also where cells of patches are integrated at their centres.
-            Points::Eight | Points::Centre => self.tangent_at_points(strain, out),
-        }
+        self.tangent_at_points(strain, out);
     }
 }
 
