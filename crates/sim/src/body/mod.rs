@@ -15,7 +15,7 @@ mod cube;
 #[cfg(test)]
 mod cube_tests;
 mod deformable;
-pub mod elements;
+mod elements;
 mod excess;
 mod explicit;
 mod exterior;

@@ -4,8 +4,8 @@
 
 mod bends;
 pub mod continuum;
-pub mod spring_table;
-pub mod springs;
+pub(super) mod spring_table;
+pub(super) mod springs;
 
 use super::material::Stiffening;
 pub use bends::Bend;
