@@ -124,7 +124,8 @@ fn tell_body(out: &mut String, body: &BodyExplained) {
                 "{residual_n:.3e} N left of its equation, beside contact forces of {contact_n:.3e} N"
             );
         }
-        None => out.push_str("its step did not end in this tick, or has no equation to be held to"),
+        None => out
+            .push_str("no residual: no step ended in this tick, or its method solves no equation"),
     }
     if let Some(matrix) = matrix {
         let _ = write!(out, "; matrix: {matrix}");

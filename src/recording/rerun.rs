@@ -47,7 +47,7 @@ impl Rerun {
         step(&self.scene, &mut self.state, &mut self.scratch, input)
     }
 
-    /// The next tick, with why its forces are what they are.
+    /// Runs the next tick, and explains its forces.
     pub fn explained(&mut self, input: &TickInput) -> (TickOutput, Explanation) {
         let mut output = TickOutput::for_tools(self.scene.tool_count());
         let Self {

@@ -48,7 +48,7 @@ impl Output {
         }
     }
 
-    /// The same, with why its forces are what they are.
+    /// An output with the explanation of its forces.
     pub fn explained(self, explanation: Option<Explanation>) -> Self {
         Self {
             explanation,

@@ -81,7 +81,7 @@ pub enum ExportError {
         "this build diverges from the recording at tick {tick}: use the one that recorded it (`palpate info` names it)"
     )]
     Diverges {
-        /// Wanted.
+        /// The tick that was asked for.
         tick: u64,
     },
 }

@@ -20,7 +20,7 @@ pub struct Caution {
     /// For so many steps more.
     pub steps: u32,
     /// The last step met cells that it held back: the next starts where the body is, since a pressure
-    /// that is held back is no gradient, and inertia would be pumped up by it.
+    /// that is held back is no gradient, and would feed energy into the motion.
     pub held: bool,
     /// For how many it would be next time.
     pub next: u32,

@@ -1,7 +1,7 @@
 //! Bodies: the constants of a deforming body, and the arithmetic of its step.
 //!
 //! ```text
-//! Surface ── layers ──▶ CellGrid ── springs ──▶ Law ─┐
+//! Surface ── layers ──▶ CellGrid ── elements ─▶ Law ─┐
 //!                            masses, NodeMap (x = W q) ├─▶ Deformable (constant: step, compliance of the net)
 //! tick: predict (x* = free motion) … contact solve … advance (x' = x* + A⁻¹ Cᵀ λ, v = (x' − x) / dt) … plastic flow
 //! ```

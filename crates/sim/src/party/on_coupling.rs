@@ -186,7 +186,7 @@ impl OnCoupling<'_> {
         (force, torque)
     }
 
-    /// The same when forces have three components. Drag on a ball turns it about its centre; what
+    /// [`OnCoupling::wrench`] of forces with three components. Drag on a ball turns it about its centre; what
     /// presses it does not.
     fn whole_wrench(
         &self,

@@ -23,7 +23,7 @@ pub struct RigidState {
 pub enum Course {
     /// A command, once there was one; from then on nothing else does.
     Sent(Sent),
-    /// Forces.
+    /// Contact and gravity.
     Free(Flight),
 }
 
@@ -103,7 +103,7 @@ impl RigidState {
         }
     }
 
-    /// The same, to be changed.
+    /// How it moves, when it is free; mutable.
     pub(crate) fn flight_mut(&mut self) -> Option<&mut Flight> {
         match &mut self.course {
             Course::Free(flight) => Some(flight),
@@ -134,7 +134,7 @@ impl RigidState {
         };
     }
 
-    /// The same somewhere else, by so much (m, world axes).
+    /// This state moved by a vector (m, world axes).
     pub(crate) fn moved(&self, by: &Vector3) -> Self {
         let mut moved = *self;
         moved.position += by;

@@ -26,7 +26,7 @@ pub struct Solver {
     pub sticks: Vec<Stick>,
     /// Shares of one tool's rows, in such ticks.
     pub cones: Vec<ConeShare>,
-    /// The same in others.
+    /// Shares of one tool's rows, in ticks without friction or a grip.
     pub shares: Vec<Share>,
     /// Rigid contacts of one tool.
     pub barriers: Vec<Barrier>,

@@ -25,7 +25,7 @@ use crate::solve::solver::{MANY_ROWS, Solver};
 use crate::tick::quality;
 use palpate_geometry::math::Vector3;
 
-/// Where there are no tools.
+/// Sweeps in a scene without tools.
 const SWEEPS: usize = 50;
 /// Fewest sweeps under lower quality, where there are as many.
 const LEAST_SWEEPS: usize = 10;

@@ -74,16 +74,10 @@ pub(super) fn block(nodes: &[Point3], cells: &[Cell], materials: &[Elastic]) -> 
             block.nodes[corner][k] = cell[corner];
         }
         for gauss in 0..8 {
-            let s = &rest.metrics[gauss];
-            let six = [
-                s[(0, 0)],
-                s[(1, 1)],
-                s[(2, 2)],
-                s[(0, 1)],
-                s[(0, 2)],
-                s[(1, 2)],
-            ];
-            for (row, value) in six.into_iter().enumerate() {
+            for (row, value) in kernel::rows_of(&rest.metrics[gauss])
+                .into_iter()
+                .enumerate()
+            {
                 block.metric[gauss][row][k] = value;
             }
             block.stiffness_j[gauss][k] = 4.0 / 3.0 * shear * rest.weights[gauss];

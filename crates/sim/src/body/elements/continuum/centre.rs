@@ -5,7 +5,9 @@
 //! Fields of [`CellBlock`] that belong to a Gauss point are those of the centre, in the first place.
 
 use super::elastic::Elastic;
-use super::kernel::{CellBlock, Triple, cross, dot, minus, modes, pressure, stretch, times};
+use super::kernel::{
+    CellBlock, Triple, cross, dot, minus, modes, pressure, rows_of, stretch, times,
+};
 use crate::body::cells::Cell;
 use palpate_geometry::math::lanes::{Baseline, Four, Lanes};
 use palpate_geometry::math::{Lane, Matrix3, Point3, Vector3};
@@ -28,15 +30,7 @@ pub(super) fn reduce(
         // A cell without volume at its centre has been refused; should one come, it has no energy.
         let inverse = map.try_inverse().unwrap_or_else(Matrix3::zeros);
         let s = inverse * inverse.transpose();
-        let six = [
-            s[(0, 0)],
-            s[(1, 1)],
-            s[(2, 2)],
-            s[(0, 1)],
-            s[(0, 2)],
-            s[(1, 2)],
-        ];
-        for (row, value) in six.into_iter().enumerate() {
+        for (row, value) in rows_of(&s).into_iter().enumerate() {
             block.metric[0][row][k] = value;
         }
         block.stiffness_j[0][k] = 4.0 / 3.0 * elastic.lame_pa().0 * volume.abs();

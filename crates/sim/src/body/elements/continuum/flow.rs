@@ -9,7 +9,7 @@
 //! keeps the volume, and it never raises I_C, so it never makes energy. With a spread, how much
 //! flows is averaged over the points around; each still flows along its own deviator.
 
-use super::kernel::{CellBlock, ROWS, at, modes, slopes};
+use super::kernel::{CellBlock, ROWS, at, modes, rows_of, slopes};
 use super::{ContinuumLaw, Points};
 use crate::body::material::Plastic;
 use crate::body::node_map::SparseRows;
@@ -289,15 +289,7 @@ fn load(metrics: &[Lane], lane: usize, cell: usize) -> Matrix3 {
 }
 
 fn store(metrics: &mut [Lane], lane: usize, cell: usize, s: &Matrix3) {
-    let six = [
-        s[(0, 0)],
-        s[(1, 1)],
-        s[(2, 2)],
-        s[(0, 1)],
-        s[(0, 2)],
-        s[(1, 2)],
-    ];
-    for (k, value) in six.into_iter().enumerate() {
+    for (k, value) in rows_of(s).into_iter().enumerate() {
         metrics[ROWS * lane + k][cell] = value;
     }
 }

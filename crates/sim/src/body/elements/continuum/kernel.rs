@@ -7,11 +7,16 @@
 //! c_ηζ, c_ξη] + [c_ζ, c_ξζ, c_ηζ]).
 
 use super::rest::GAUSS;
-use palpate_geometry::math::Lane;
 use palpate_geometry::math::lanes::{Four, Lanes};
+use palpate_geometry::math::{Lane, Matrix3};
 
 /// Rows of a metric: xx yy zz xy xz yz.
 pub(super) const ROWS: usize = 6;
+
+/// A symmetric matrix as the rows of a metric.
+pub(super) fn rows_of(s: &Matrix3) -> [f64; ROWS] {
+    [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].map(|at| s[at])
+}
 
 /// Four cells side by side; missing ones have no stiffness.
 #[derive(Clone, Debug)]
