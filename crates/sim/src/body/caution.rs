@@ -1,9 +1,10 @@
-//! Whether the tangent of rest can follow a body, and the buffers of a correction.
+//! Whether the tangent of rest can follow springs, and the buffers of a correction.
 
+use super::core::FactorWork;
 use super::frame::Frame;
-use super::scalar_factor::ScalarWork;
+use super::rigid_motion::Inertia;
 use crate::in_place::clone_in_place;
-use palpate_geometry::math::{BlockWork, Lane, Rows, Vector3};
+use palpate_geometry::math::{Lane, Rows, Vector3};
 
 /// Fewest and most steps that are left to a firmer matrix once one cannot follow.
 const CAUTIOUS_STEPS: [u32; 2] = [16, 1024];
@@ -19,9 +20,6 @@ pub struct Caution {
     pub level: u32,
     /// For so many steps more.
     pub steps: u32,
-    /// The last step met cells that it held back: the next starts where the body is, since a pressure
-    /// that is held back is no gradient, and would feed energy into the motion.
-    pub held: bool,
     /// For how many it would be next time.
     pub next: u32,
 }
@@ -30,15 +28,14 @@ clone_in_place!(Caution {
     corrections,
     level,
     steps,
-    held,
     next
 });
 
 impl Caution {
-    /// That of a body at rest; a body without a tangent needs none.
+    /// That of a body at rest; a body without a tangent, or with pressures, needs none.
     pub(super) fn set_to_rest(&mut self) {
         self.corrections.fill([0.0; 4]);
-        (self.level, self.steps, self.held) = (0, 0, false);
+        (self.level, self.steps) = (0, 0);
         self.next = match self.corrections.is_empty() {
             true => 0,
             false => CAUTIOUS_STEPS[0],
@@ -72,22 +69,22 @@ impl Caution {
 pub(super) struct ImplicitScratch {
     /// (unknowns).
     pub(super) frames: Vec<Frame>,
-    pub(super) work: BlockWork,
-    /// (unknowns): right-hand side in blocks.
-    pub(super) blocks: Rows,
-    /// (unknowns): the same for the scalar matrix, and its buffer.
-    pub(super) rhs: Vec<Vector3>,
-    pub(super) scalar: ScalarWork,
+    pub(super) work: FactorWork,
+    /// (unknowns): right-hand side and solution, in the frame of the matrix.
+    pub(super) rows: Rows,
+    /// (unknowns), m: the solution in the world.
+    pub(super) moved: Vec<Vector3>,
     /// The state's caution after the step.
     pub(super) caution: Caution,
     /// Σ |correction|² of the last further iteration, m².
     pub(super) last_m2: f64,
-    /// Of a sheet (unknowns): its normals.
-    pub(super) normals: Vec<Vector3>,
-    /// Which factor a sheet as taut as in this step takes.
+    /// Pressures so far, Pa, and the gaps between them and the volumes at the last look.
+    pub(super) pressures: Vec<Lane>,
+    pub(super) gaps: Vec<Lane>,
+    /// Which core the step takes.
+    pub(super) core: usize,
+    /// Which of them a sheet as taut as in this step takes.
     pub(super) taut: usize,
-    /// By which columns of the response contact answers in this step.
-    pub(super) answer: usize,
-    /// Those are of the bounding matrix.
-    pub(super) answers_bounding: bool,
+    /// Of a free body, where its step starts.
+    pub(super) inertia: Option<Inertia>,
 }

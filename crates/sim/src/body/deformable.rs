@@ -2,25 +2,24 @@
 //!
 //! A body has coordinates q, which move; nodes x = W q, which carry its law's forces; and a control
 //! net, each point of which is a coordinate. Contact acts on coordinates of the net through the
-//! compliance of one step: how far a force held through the step moves each coordinate, in columns
+//! operator by which the step itself answers loads: its blocks between coordinates of the net are
 //! kept from the start.
 
 mod queries;
 
 use super::calm::{Outline, STILL_STEPS};
-use super::caution::ImplicitScratch;
-use super::columns;
-use super::excess;
+use super::core::SurfaceBlocks;
 use super::field::Field;
+use super::guard::{Guard, RigidStep};
 use super::implicit::ImplicitStep;
 use super::material::Plastic;
+use super::frame::{Frame, IDENTITY};
 use super::matter::{Blueprint, FIXED, Matter, lanes};
-use super::node_map::NodeMap;
 use super::rigid_motion::Momentum;
 use super::rigid_velocity::RigidVelocity;
 use super::settings::{DeformableError, StepSettings};
 use super::state::{DeformableScratch, DeformableState};
-use super::stepper::{Compliance, Stepper};
+use super::stepper::Stepper;
 use palpate_geometry::math::{Lane, Point3, Vector3};
 
 /// Of the weight of a body that lies on others: how far its contact forces may be from bearing it.
@@ -31,7 +30,11 @@ const BORNE: f64 = 5e-3;
 pub struct Deformable {
     matter: Matter,
     stepper: Stepper,
-    compliance: Compliance,
+    /// How forces on the net move the body, where its step has no matrix.
+    by_trial: SurfaceBlocks,
+    /// (coordinates): place in [`Matter::surface`], or [`FIXED`].
+    column: Vec<u32>,
+    guard: Guard,
     outline: Outline,
 }
 
@@ -48,14 +51,20 @@ impl Deformable {
         settings: StepSettings,
     ) -> Result<Self, DeformableError> {
         let matter = Matter::new(blueprint, damping_s, plastic, settings)?;
-        let mut stepper = Stepper::new(&matter)?;
-        let compliance = stepper.compliance(&matter)?;
-        stepper.round(&matter);
+        let stepper = Stepper::new(&matter)?;
+        let by_trial = stepper.by_trial(&matter);
+        let mut column = vec![FIXED; matter.rest.len()];
+        for (place, &coordinate) in matter.surface.iter().enumerate() {
+            column[coordinate as usize] = place as u32;
+        }
+        let guard = Guard::new(&matter);
         let outline = Outline::new(&matter.rest);
         Ok(Self {
             matter,
             stepper,
-            compliance,
+            by_trial,
+            column,
+            guard,
             outline,
         })
     }
@@ -87,8 +96,8 @@ impl Deformable {
         scratch.field = field;
     }
 
-    /// x*: where the coordinates go in one step without contact; of several iterations, after the
-    /// first.
+    /// x*: where the coordinates go in one step with the contact forces of the step before; of several iterations,
+    /// after the first.
     pub fn predict(&self, state: &DeformableState, scratch: &mut DeformableScratch) {
         debug_assert_eq!(
             state.positions.len(),
@@ -132,7 +141,7 @@ impl Deformable {
     ) {
         let dt = self.matter.settings.dt_s;
         let moved = state.positions.iter().zip(&state.velocities);
-        let ahead_s = if implicit.starts_ahead(&self.matter, state) {
+        let ahead_s = if implicit.starts_ahead(state) {
             dt
         } else {
             0.0
@@ -140,6 +149,7 @@ impl Deformable {
         for (reached, (x, v)) in scratch.reached.iter_mut().zip(moved) {
             *reached = x + v * ahead_s;
         }
+        (scratch.arrived, scratch.share, scratch.shortened) = (false, 1.0, false);
         scratch.carried.clear();
         let forces = self.matter.surface.iter().zip(&state.contact_n);
         let acting = forces.filter(|(_, force)| **force != Vector3::zeros());
@@ -158,7 +168,7 @@ impl Deformable {
         implicit.begin(&self.matter, state, scratch);
     }
 
-    /// One correction of where the step has come; on the net, x* is that without what contact moved.
+    /// One correction of where the step has come by itself.
     fn correct(
         &self,
         implicit: &ImplicitStep,
@@ -168,43 +178,17 @@ impl Deformable {
     ) {
         implicit.correct(&self.matter, state, scratch, first);
         if first {
-            implicit.settle_response(scratch);
-        }
-        scratch.predicted.copy_from_slice(&scratch.reached);
-        if scratch.carried.is_empty() {
+            scratch.predicted.copy_from_slice(&scratch.reached);
             return;
         }
-        let DeformableScratch {
-            carried,
-            predicted,
-            amounts,
-            implicit,
-            ..
-        } = scratch;
-        self.weigh_modes(carried, implicit, amounts);
-        let (n, columns) = (self.unknown_count(), self.columns(implicit));
-        let with_modes = !(implicit.answers_bounding || amounts.is_empty());
-        for &c in &self.matter.surface {
-            let unknown = self.matter.unknown[c as usize] as usize;
-            let mut moved = Vector3::zeros();
-            for (coordinate, force) in carried.iter() {
-                let column = self.compliance.column[*coordinate as usize] as usize;
-                moved += force * columns[column * n + unknown];
-            }
-            if with_modes {
-                moved += self.compliance.response.modes.moved(
-                    unknown,
-                    &implicit.frames[unknown],
-                    amounts,
-                );
-            }
-            predicted[c as usize] -= moved;
+        let unknowns = self.matter.coordinate_of_unknown.iter();
+        for (moved, &c) in scratch.implicit.moved.iter().zip(unknowns) {
+            scratch.predicted[c as usize] += *moved;
         }
     }
 
     /// One more iteration of an implicit step, from where the contact forces of the scratch, which
-    /// are used up, take the body: x* becomes what [`Deformable::advance`] with the same forces
-    /// would end in the same place from.
+    /// are used up, take the body. By how much it moves the body by itself, x* changes.
     pub fn iterate(&self, state: &DeformableState, scratch: &mut DeformableScratch) {
         debug_assert_eq!(
             scratch.predicted.len(),
@@ -218,22 +202,24 @@ impl Deformable {
             return;
         }
         scratch.at_rest = false;
-        self.take_contact(scratch);
+        self.take_contact(implicit, state, scratch);
         self.drop_loads(scratch);
         self.correct(implicit, state, scratch, false);
     }
 
     /// Moves `reached` by what the contact forces of the scratch change against those that it knows.
-    fn take_contact(&self, scratch: &mut DeformableScratch) {
+    fn take_contact(
+        &self,
+        implicit: &ImplicitStep,
+        state: &DeformableState,
+        scratch: &mut DeformableScratch,
+    ) {
         let DeformableScratch {
             carried,
             changed,
             loaded,
             forces,
-            reached,
-            lanes,
-            amounts,
-            implicit,
+            residual,
             ..
         } = scratch;
         // What it knows, less; what acts now, more; by coordinate.
@@ -252,91 +238,81 @@ impl Deformable {
         if changed.is_empty() {
             return;
         }
-        // What forces change along a sheet waits for its matrix: the response is far too soft there.
-        let across = !(implicit.normals.is_empty() || implicit.answers_bounding);
-        let normal = |unknown: usize| &implicit.normals[unknown];
-        if across {
-            for (coordinate, force) in changed.iter_mut() {
-                let n = normal(self.matter.unknown[*coordinate as usize] as usize);
-                *force = n * n.dot(force);
-            }
+        residual.fill([0.0; 4]);
+        for &(c, force) in changed.iter() {
+            residual[c as usize] = [force.x, force.y, force.z, 0.0];
         }
-        self.respond(changed, self.columns(implicit), lanes);
-        self.weigh_modes(changed, implicit, amounts);
-        let with_modes = !(implicit.answers_bounding || amounts.is_empty());
-        for (unknown, &c) in self.matter.coordinate_of_unknown.iter().enumerate() {
-            let [x, y, z, _] = lanes[unknown];
-            let mut moved = Vector3::new(x, y, z);
-            if across {
-                moved = normal(unknown) * normal(unknown).dot(&moved);
-            }
-            let place = &mut reached[c as usize];
-            *place += moved;
-            if with_modes {
-                *place += self.compliance.response.modes.moved(
-                    unknown,
-                    &implicit.frames[unknown],
-                    amounts,
-                );
-            }
+        implicit.answer(&self.matter, &state.positions, scratch, false);
+        let unknowns = self.matter.coordinate_of_unknown.iter();
+        for (moved, &c) in scratch.implicit.moved.iter().zip(unknowns) {
+            scratch.reached[c as usize] += *moved;
         }
     }
 
-    /// Columns of the response by which contact answers in this step.
-    fn columns(&self, implicit: &ImplicitScratch) -> &[f64] {
-        &self.compliance.response.columns[implicit.answer]
-    }
-
-    /// How much of each soft mode forces on the net excite.
-    fn weigh_modes(
-        &self,
-        forces: &[(u32, Vector3)],
-        implicit: &ImplicitScratch,
-        amounts: &mut [f64],
-    ) {
-        amounts.fill(0.0);
-        let (modes, frames) = (&self.compliance.response.modes, &implicit.frames);
-        if amounts.is_empty() || implicit.answers_bounding {
+    /// Takes the step to where the contact forces of the scratch, which are used up, lead. [`Deformable::predict`] came
+    /// before, on the same state.
+    pub fn arrive(&self, state: &DeformableState, scratch: &mut DeformableScratch) {
+        let Stepper::Implicit(implicit) = &self.stepper else {
+            return;
+        };
+        if scratch.loaded.is_empty() && self.asleep(state) {
             return;
         }
-        for (coordinate, force) in forces {
-            let unknown = self.matter.unknown[*coordinate as usize] as usize;
-            modes.add_work(unknown, &frames[unknown], force, amounts);
+        self.take_contact(implicit, state, scratch);
+        scratch.arrived = true;
+        let matter = &self.matter;
+        let inertia = scratch.implicit.inertia.as_ref();
+        scratch.rigid = inertia.and_then(|inertia| {
+            RigidStep::of(matter, inertia, &state.positions, &scratch.reached)
+        });
+        let share = 1.0 + matter.damping_s / matter.settings.dt_s;
+        let places = state.positions.iter().zip(&scratch.reached);
+        for ((x, z), moved) in places.zip(scratch.pull.iter_mut()) {
+            let from = scratch.rigid.map_or(*x, |rigid| rigid.at(x));
+            let d = (z - from) * share;
+            *moved = [d.x, d.y, d.z, 0.0];
         }
-        for (amount, gain) in amounts.iter_mut().zip(modes.gains()) {
-            *amount *= gain;
+        scratch.share = self.guard.share(matter, &scratch.pull, &mut scratch.nodes);
+    }
+
+    /// The share of the motion of the step that the body can follow: 1, or less.
+    pub fn share(&self, scratch: &DeformableScratch) -> f64 {
+        match scratch.arrived {
+            true => scratch.share,
+            false => 1.0,
         }
     }
 
-    /// Number of soft modes in the compliance.
-    pub fn mode_count(&self) -> usize {
-        self.compliance.response.modes.len()
-    }
-
-    /// Gain of each soft mode: with p the work of unit forces on it, two of them move each other by
-    /// p_i gain p_jᵀ more than [`Deformable::compliance_of`] says.
-    pub fn mode_gains(&self) -> &[f64] {
-        self.compliance.response.modes.gains()
-    }
-
-    /// Adds `weight` times how each soft mode moves a coordinate of the net to `to` (modes).
-    pub fn add_modes(
-        &self,
-        scratch: &DeformableScratch,
-        coordinate: usize,
-        weight: f64,
-        to: &mut [Vector3],
-    ) {
-        debug_assert!(coordinate < self.coordinate_count(), "no such coordinate");
-        if let Some(unknown) = self.unknown(coordinate)
-            && !scratch.implicit.answers_bounding
-        {
-            let frame = &scratch.implicit.frames[unknown];
-            self.compliance
-                .response
-                .modes
-                .add_shapes(unknown, frame, weight, to);
+    /// Shortens the deformation of the step about its rigid motion, with its pressures and forces, to a share.
+    pub fn shorten(&self, state: &DeformableState, scratch: &mut DeformableScratch, share: f64) {
+        debug_assert!((0.0..=1.0).contains(&share), "a share of a motion");
+        if !scratch.arrived {
+            return;
         }
+        for (x, z) in state.positions.iter().zip(&mut scratch.reached) {
+            let from = scratch.rigid.map_or(*x, |rigid| rigid.at(x));
+            // Of no share, what is not a number stays out.
+            *z = match share > 0.0 {
+                true => from + (*z - from) * share,
+                false => from,
+            };
+        }
+        let pressures = state.pressures.as_flattened().iter();
+        let reached = scratch.implicit.pressures.as_flattened_mut().iter_mut();
+        for (q, from) in reached.zip(pressures) {
+            *q = match share > 0.0 {
+                true => from + (*q - from) * share,
+                false => *from,
+            };
+        }
+        for (_, force) in &mut scratch.carried {
+            *force = match share > 0.0 {
+                true => *force * share,
+                false => Vector3::zeros(),
+            };
+        }
+        scratch.share = 1.0;
+        scratch.shortened = true;
     }
 
     /// Brings what contact needs of the scratch in line with a state whose free motion was predicted
@@ -369,7 +345,13 @@ impl Deformable {
         let handled = scratch.handled;
         match &self.stepper {
             Stepper::Implicit(implicit) => {
-                self.advance_on_compliance(state, scratch);
+                if !scratch.arrived {
+                    self.arrive(state, scratch);
+                }
+                if scratch.share < 1.0 {
+                    self.shorten(state, scratch, scratch.share);
+                }
+                self.settle(state, scratch);
                 implicit.end(state, scratch);
             }
             Stepper::Explicit(_) | Stepper::Xpbd(_) => {
@@ -385,26 +367,10 @@ impl Deformable {
         self.count_still(state, touched, handled || flowed, balanced);
     }
 
-    /// W F of forces on the net, into `lanes` (unknowns); `values`: the columns of W.
-    fn respond(&self, forces: &[(u32, Vector3)], values: &[f64], lanes: &mut [Lane]) {
-        let n = self.unknown_count();
-        lanes.fill([0.0; 4]);
-        for four in forces.chunks(4) {
-            let mut columns: [&[f64]; 4] = [&[]; 4];
-            let mut lanes_of_forces = [[0.0; 4]; 4];
-            for (k, &(coordinate, force)) in four.iter().enumerate() {
-                let column = self.compliance.column[coordinate as usize] as usize;
-                columns[k] = &values[column * n..(column + 1) * n];
-                lanes_of_forces[k] = [force.x, force.y, force.z, 0.0];
-            }
-            columns::add(columns, four.len(), &lanes_of_forces, lanes);
-        }
-    }
-
-    /// x' = z + W (F − F₀), v = (x' − x) / dt; a free body keeps its momentum.
-    fn advance_on_compliance(&self, state: &mut DeformableState, scratch: &mut DeformableScratch) {
+    /// x' is where the step has come, v = (x' − x) / dt; a free body keeps its momentum.
+    fn settle(&self, state: &mut DeformableState, scratch: &mut DeformableScratch) {
         let matter = &self.matter;
-        self.take_contact(scratch);
+        scratch.arrived = false;
         let before =
             (matter.is_free()).then(|| Momentum::of(matter, &state.positions, &state.velocities));
         if before.is_some() {
@@ -412,19 +378,6 @@ impl Deformable {
             let points = state.positions.iter().zip(&state.velocities);
             for ((load, (x, v)), m) in scratch.speed.iter_mut().zip(points).zip(&matter.masses) {
                 *load = scratch.field.at(x, v) * *m;
-            }
-        }
-        let before_j = (scratch.implicit.caution.held).then(|| self.whole_energy_j(state, scratch));
-        let mut given_j = 0.0;
-        if before_j.is_some() {
-            let moved = |c: usize| scratch.reached[c] - state.positions[c];
-            for &coordinate in &matter.coordinate_of_unknown {
-                let c = coordinate as usize;
-                let felt = (scratch.field).at(&state.positions[c], &state.velocities[c]);
-                given_j += felt.dot(&moved(c)) * matter.masses[c];
-            }
-            for &(coordinate, force) in &scratch.carried {
-                given_j += force.dot(&moved(coordinate as usize));
             }
         }
         let inverse_dt = 1.0 / matter.settings.dt_s;
@@ -436,30 +389,11 @@ impl Deformable {
         }
         state.contact_n.fill(Vector3::zeros());
         for &(coordinate, force) in &scratch.carried {
-            state.contact_n[self.compliance.column[coordinate as usize] as usize] = force;
+            state.contact_n[self.column[coordinate as usize] as usize] = force;
         }
         if let Some(before) = before {
             self.keep_momentum(&before, state, scratch);
         }
-        if let Some(before_j) = before_j {
-            let excess_j = self.whole_energy_j(state, scratch) - before_j - given_j;
-            excess::take(matter, &state.positions, &mut state.velocities, excess_j);
-        }
-    }
-
-    /// Elastic and kinetic energy of the state, J, by the buffers of the scratch.
-    fn whole_energy_j(&self, state: &DeformableState, scratch: &mut DeformableScratch) -> f64 {
-        let DeformableScratch {
-            coordinates, nodes, ..
-        } = scratch;
-        excess::energy_j(
-            &self.matter,
-            self.matter.rest_lengths(state),
-            &state.positions,
-            &state.velocities,
-            coordinates,
-            nodes,
-        )
     }
 
     /// Gives a free body the momentum that it had and what acted on it in the step.
@@ -503,13 +437,7 @@ impl Deformable {
             ..
         } = scratch;
         lanes(&state.positions, coordinates);
-        let places: &[Lane] = match &self.matter.map {
-            NodeMap::Same => coordinates,
-            NodeMap::Sparse(map) => {
-                map.apply(coordinates, nodes);
-                nodes
-            }
-        };
+        let places = self.matter.nodes_of(coordinates, nodes);
         flow.flow(
             &self.matter.law,
             places,
@@ -582,7 +510,7 @@ impl Deformable {
     /// Adds a force (N) on a coordinate of the net for this step.
     pub fn push(&self, scratch: &mut DeformableScratch, coordinate: usize, force: Vector3) {
         debug_assert!(coordinate < self.coordinate_count(), "no such coordinate");
-        if self.compliance.column[coordinate] == FIXED {
+        if self.column[coordinate] == FIXED {
             return;
         }
         if !scratch.is_loaded[coordinate] {
@@ -631,14 +559,38 @@ impl Deformable {
         }
     }
 
-    /// Displacements of all free coordinates for a unit force held on one of the net over the step
-    /// that the scratch stands for, m/N, by [`Deformable::unknown`]; `None` for a fixed one.
-    pub fn compliance_of(&self, scratch: &DeformableScratch, coordinate: usize) -> Option<&[f64]> {
+    /// Place of a coordinate of the net among those that can move; `None` if it is fixed.
+    pub(crate) fn surface_place(&self, coordinate: usize) -> Option<usize> {
         debug_assert!(coordinate < self.coordinate_count(), "no such coordinate");
-        let column = self.compliance.column[coordinate];
-        let n = self.unknown_count();
-        let values = self.columns(&scratch.implicit);
-        (column != FIXED).then(|| &values[column as usize * n..(column as usize + 1) * n])
+        let place = self.column[coordinate];
+        (place != FIXED).then_some(place as usize)
+    }
+
+    /// How a force held through the step on one coordinate of the net (by [`Deformable::surface_place`]) moves all of
+    /// them, m/N: blocks by columns, between the frames of the coordinates.
+    pub(crate) fn compliance_of(&self, scratch: &DeformableScratch, place: usize) -> &[[f32; 9]] {
+        match &self.stepper {
+            Stepper::Implicit(implicit) => implicit.core(&scratch.implicit).surface.column(place),
+            Stepper::Explicit(_) | Stepper::Xpbd(_) => self.by_trial.column(place),
+        }
+    }
+
+    /// The frame of a coordinate of the net in the step that the scratch stands for: rows of a rotation.
+    pub(crate) fn frame_of<'a>(
+        &self,
+        scratch: &'a DeformableScratch,
+        place: usize,
+    ) -> &'a Frame {
+        let coordinate = self.matter.surface[place] as usize;
+        match &self.stepper {
+            Stepper::Implicit(_) => (scratch.implicit).frame(self.matter.unknown[coordinate] as usize),
+            Stepper::Explicit(_) | Stepper::Xpbd(_) => &IDENTITY,
+        }
+    }
+
+    /// Contact forces (N) by coordinate of the net with which the free motion of the scratch was predicted.
+    pub(crate) fn carried<'a>(&self, scratch: &'a DeformableScratch) -> &'a [(u32, Vector3)] {
+        &scratch.carried
     }
 
     /// Place of a coordinate among the free ones; `None` if it is fixed.
@@ -656,6 +608,7 @@ impl Deformable {
         let mut state = self.matter.rest_state();
         if let Stepper::Implicit(implicit) = &self.stepper {
             state.caution = implicit.caution(&self.matter);
+            state.pressures = vec![[0.0; 4]; implicit.pressure_lanes(&self.matter)];
         }
         state
     }
@@ -675,7 +628,6 @@ impl Deformable {
         let mut scratch = self.matter.scratch();
         if let Stepper::Implicit(implicit) = &self.stepper {
             scratch.implicit = implicit.scratch(&self.matter);
-            scratch.amounts = vec![0.0; self.mode_count()];
         }
         scratch
     }

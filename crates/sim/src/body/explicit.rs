@@ -3,7 +3,6 @@
 //! With the greatest frequency ω and the damping time d, a substep h is stable while h² ω² + 2 h d
 //! ω² ≤ 4.
 
-use super::excess;
 use super::implicit::greatest_frequency_squared;
 use super::look_ahead::LookAhead;
 use super::matter::{Matter, lanes};
@@ -60,7 +59,6 @@ impl Explicit {
             let (places, velocities) = (&state.positions, &state.velocities);
             Momentum::of(matter, places, velocities).rigid(matter, places)
         });
-        let mut limited = 0;
         for _ in 0..self.substeps {
             for (load, force) in scratch.residual.iter_mut().zip(&scratch.forces) {
                 *load = [force.x, force.y, force.z, 0.0];
@@ -68,7 +66,6 @@ impl Explicit {
             lanes(&scratch.predicted, &mut scratch.coordinates);
             self.look_ahead(matter, scratch);
             matter.add_law_forces(state, scratch);
-            limited = limited.max(scratch.limited);
             for &c in &matter.coordinate_of_unknown {
                 let c = c as usize;
                 let force = Vector3::from_column_slice(&scratch.residual[c][..3]);
@@ -76,9 +73,6 @@ impl Explicit {
                 scratch.speed[c] += (force / matter.masses[c] + felt) * h;
                 scratch.predicted[c] += scratch.speed[c] * h;
             }
-        }
-        if limited > 0 {
-            take_excess(matter, state, scratch);
         }
     }
 
@@ -94,27 +88,4 @@ impl Explicit {
         }
         look_ahead.add(&scratch.ahead, &mut scratch.coordinates);
     }
-}
-
-/// Takes what cells that are held back have made, see [`excess`].
-fn take_excess(matter: &Matter, state: &DeformableState, scratch: &mut DeformableScratch) {
-    let DeformableScratch {
-        predicted,
-        speed,
-        forces,
-        field,
-        coordinates,
-        nodes,
-        ..
-    } = scratch;
-    let rest = matter.rest_lengths(state);
-    let (places, speeds) = (&state.positions, &state.velocities);
-    let before_j = excess::energy_j(matter, rest, places, speeds, coordinates, nodes);
-    let after_j = excess::energy_j(matter, rest, predicted, speed, coordinates, nodes);
-    let mut given_j = 0.0;
-    for (c, (to, from)) in predicted.iter().zip(&state.positions).enumerate() {
-        let weight = field.at(to, &speed[c]) * matter.masses[c];
-        given_j += (forces[c] + weight).dot(&(to - from));
-    }
-    excess::take(matter, predicted, speed, after_j - before_j - given_j);
 }

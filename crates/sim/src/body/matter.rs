@@ -5,6 +5,7 @@ use super::calm::Calm;
 use super::caution::ImplicitScratch;
 use super::cells::{Cell, CellQuality};
 use super::elements::MaterialLaw;
+use super::elements::continuum::Given;
 use super::field::Field;
 use super::material::Plastic;
 use super::node_map::NodeMap;
@@ -181,6 +182,7 @@ impl Matter {
             rest_lengths,
             plastic_strain,
             contact_n,
+            pressures,
             caution,
             still,
             calm,
@@ -189,6 +191,7 @@ impl Matter {
         } = state;
         contact_n.clear();
         contact_n.resize(self.surface.len(), Vector3::zeros());
+        pressures.fill([0.0; 4]);
         caution.set_to_rest();
         positions.clone_from(&self.rest);
         velocities.clear();
@@ -230,13 +233,14 @@ impl Matter {
             reached: self.rest.clone(),
             carried: Vec::with_capacity(self.surface.len()),
             at_rest: false,
-            farther: 1.0,
             changed: Vec::with_capacity(2 * self.surface.len()),
-            amounts: Vec::new(),
+            arrived: false,
+            share: 1.0,
+            rigid: None,
+            shortened: false,
             turning: None,
             implicit: ImplicitScratch::default(),
-            lanes: Rows::zeros(self.unknown_count()),
-            limited: 0,
+            pull: Rows::zeros(count),
             field: Field::default(),
             flow: vec![[0.0; 4]; self.strain_lanes()],
         }
@@ -258,7 +262,15 @@ impl Matter {
 
     /// Adds Wᵀ of the law's forces at the coordinates of the scratch to its residual.
     pub fn add_law_forces(&self, state: &DeformableState, scratch: &mut DeformableScratch) {
-        let farther = scratch.farther;
+        self.add_forces(state, scratch, false);
+    }
+
+    /// The same under the pressures of the step, whose gaps it leaves there.
+    pub fn add_step_forces(&self, state: &DeformableState, scratch: &mut DeformableScratch) {
+        self.add_forces(state, scratch, true);
+    }
+
+    fn add_forces(&self, state: &DeformableState, scratch: &mut DeformableScratch, unknown: bool) {
         let rest = self.rest_lengths(state);
         let DeformableScratch {
             coordinates,
@@ -266,22 +278,49 @@ impl Matter {
             residual,
             node_residual,
             springs,
-            limited,
+            implicit,
             ..
         } = scratch;
+        let given = unknown.then_some(Given {
+            pressures: &implicit.pressures,
+            gaps: &mut implicit.gaps,
+        });
         match &self.map {
             NodeMap::Same => {
-                *limited = self
-                    .law
-                    .add_forces(rest, coordinates, residual, springs, farther)
+                (self.law).add_forces(rest, given, coordinates, residual, springs);
             }
             NodeMap::Sparse(map) => {
                 map.apply(coordinates, nodes);
                 node_residual.fill([0.0; 4]);
-                *limited = self
-                    .law
-                    .add_forces(rest, nodes, node_residual, springs, farther);
+                (self.law).add_forces(rest, given, nodes, node_residual, springs);
                 map.add_transposed(node_residual, residual);
+            }
+        }
+    }
+
+    /// Moves the coordinates of the scratch, at which the law is asked, from where the step has come ahead by d ẋ,
+    /// without that of rigid motion: the force there is f − d K ẋ to first order, that of a Voigt solid.
+    pub fn look_ahead(&self, state: &DeformableState, scratch: &mut DeformableScratch) {
+        let share = self.damping_s / self.settings.dt_s;
+        let moved = scratch.reached.iter().zip(&state.positions);
+        for ((z, x), lane) in moved.zip(scratch.coordinates.iter_mut()) {
+            let mut ahead = (z - x) * share;
+            if let Some(turning) = &scratch.turning {
+                let middle = nalgebra::center(x, z) - turning.linear * (0.5 * self.settings.dt_s);
+                ahead -= turning.velocity(&middle) * self.damping_s;
+            }
+            let at = z + ahead;
+            *lane = [at.x, at.y, at.z, 0.0];
+        }
+    }
+
+    /// W q, in the buffer where nodes are not the coordinates.
+    pub fn nodes_of<'a>(&self, coordinates: &'a [Lane], buffer: &'a mut [Lane]) -> &'a [Lane] {
+        match &self.map {
+            NodeMap::Same => coordinates,
+            NodeMap::Sparse(map) => {
+                map.apply(coordinates, buffer);
+                buffer
             }
         }
     }
@@ -290,6 +329,11 @@ impl Matter {
     pub fn law_edges(&self) -> Vec<(u32, u32, f64)> {
         self.law.edges(Weight::Bounding)
     }
+}
+
+/// Points as rows of registers, in a vector.
+pub(super) fn lanes_of(points: &[Point3]) -> Vec<Lane> {
+    points.iter().map(|p| [p.x, p.y, p.z, 0.0]).collect()
 }
 
 /// Points as rows of registers.

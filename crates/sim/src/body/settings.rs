@@ -59,8 +59,8 @@ pub enum FallBack {
     Firmer,
     /// It takes the bounding matrix: its motion is too slow.
     Bounding,
-    /// Forces of so many cells are held back to what the matrix can follow.
-    CellsHeld(u32),
+    /// It was shortened: cells would have strained more in a tick than a step can follow.
+    Shortened,
 }
 
 /// Why a body could not be built.
@@ -85,6 +85,9 @@ pub enum DeformableError {
     /// The matrix of the step could not be factored.
     #[error("the matrix of the implicit step has no factor: {0}")]
     Factor(#[from] CholeskyError),
+    /// The factor of the matrix is larger than any machine has room for.
+    #[error("the matrix of the implicit step is too large; use fewer nodes, or model = \"net\"")]
+    TooLarge,
     /// Stability needs more substeps than anyone waits for.
     #[error(
         "the explicit step needs {needed} substeps a tick, more than {most}; use integrator = \"implicit\""

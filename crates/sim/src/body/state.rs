@@ -4,6 +4,7 @@ use super::calm::{Calm, STILL_STEPS};
 use super::caution::{Caution, ImplicitScratch};
 use super::elements::spring_table::ByCoordinate;
 use super::field::Field;
+use super::guard::RigidStep;
 use super::rigid_velocity::RigidVelocity;
 use crate::in_place::clone_in_place;
 use palpate_geometry::math::{Lane, Point3, Rows, Vector3};
@@ -24,7 +25,10 @@ pub struct DeformableState {
     pub plastic_strain: Vec<Lane>,
     /// (free coordinates of the net), N: contact forces of the last implicit step.
     pub contact_n: Vec<Vector3>,
-    /// Whether the implicit step's tangent can follow.
+    /// Pressures of the cells, four a row, then of the patches that share one, Pa; empty unless they are unknowns of the
+    /// step.
+    pub pressures: Vec<Lane>,
+    /// Whether the implicit step's tangent can follow springs.
     pub caution: Caution,
     /// Body steps in a row in which nothing moved; at a hundred the body sleeps.
     pub still: u32,
@@ -42,6 +46,7 @@ clone_in_place!(DeformableState {
     rest_lengths,
     plastic_strain,
     contact_n,
+    pressures,
     caution,
     still,
     calm,
@@ -78,6 +83,7 @@ stateful!(DeformableState, |this, walk| {
         rest_lengths,
         plastic_strain,
         contact_n,
+        pressures,
         caution,
         still,
         calm,
@@ -89,17 +95,16 @@ stateful!(DeformableState, |this, walk| {
     walk.lanes(rest_lengths)?;
     walk.lanes(plastic_strain)?;
     walk.triples(contact_n)?;
+    walk.lanes(pressures)?;
     let Caution {
         corrections,
         level,
         steps,
-        held,
         next,
     } = caution;
     walk.lanes(corrections)?;
     walk.coded("matrix of the step", level)?;
     walk.coded("cautious steps", steps)?;
-    walk.coded("held back", held)?;
     walk.coded("cautious steps next time", next)?;
     walk.coded("number of still steps", still)?;
     let Calm { from, steps } = calm;
@@ -118,14 +123,17 @@ pub struct DeformableScratch {
     pub(super) reached: Vec<Point3>,
     /// Contact forces that the last correction knew, by coordinate of the net.
     pub(super) carried: Vec<(u32, Vector3)>,
-    /// How much farther than the bounding matrix the step follows cells.
-    pub(super) farther: f64,
     /// The scratch stands for a sleeping body already.
     pub(super) at_rest: bool,
     /// Room for what contact changes of them.
     pub(super) changed: Vec<(u32, Vector3)>,
-    /// (soft modes).
-    pub(super) amounts: Vec<f64>,
+    /// The step has taken its contact forces.
+    pub(super) arrived: bool,
+    /// The share of its motion then that the body can follow, and the rigid part of that motion, if it is free.
+    pub(super) share: f64,
+    pub(super) rigid: Option<RigidStep>,
+    /// The step was shortened.
+    pub(super) shortened: bool,
     /// The rigid motion of a free body at the start of its step.
     pub(super) turning: Option<RigidVelocity>,
     pub(super) implicit: ImplicitScratch,
@@ -149,12 +157,10 @@ pub struct DeformableScratch {
     pub(super) speed: Vec<Vector3>,
     /// (coordinates), m: how far damping looks ahead.
     pub(super) ahead: Vec<Vector3>,
-    /// (unknowns): what the contact forces move.
-    pub(super) lanes: Rows,
+    /// (coordinates): what closing the gaps of pressures pulls, N, or how far it moves, m, in the frame of the matrix.
+    pub(super) pull: Rows,
     /// What free points feel.
     pub(super) field: Field,
-    /// Cells held back by the last pass.
-    pub(super) limited: u32,
     /// Plastic strains within a step; empty unless the body flows.
     pub(super) flow: Vec<Lane>,
 }

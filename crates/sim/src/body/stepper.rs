@@ -1,8 +1,9 @@
 //! The step of a body: one of three methods.
 
 use super::explicit::Explicit;
-use super::implicit::{ImplicitStep, Response};
-use super::matter::{FIXED, Matter};
+use super::core::SurfaceBlocks;
+use super::implicit::ImplicitStep;
+use super::matter::Matter;
 use super::settings::{DeformableError, Integrator};
 use super::state::{DeformableScratch, DeformableState};
 use super::xpbd::Xpbd;
@@ -14,14 +15,6 @@ pub(super) enum Stepper {
     Implicit(ImplicitStep),
     Explicit(Explicit),
     Xpbd(Xpbd),
-}
-
-/// How far a force held on the surface through one step moves each coordinate.
-#[derive(Debug)]
-pub(super) struct Compliance {
-    /// (coordinates): column of the response, or [`FIXED`].
-    pub column: Vec<u32>,
-    pub response: Response,
 }
 
 impl Stepper {
@@ -39,13 +32,6 @@ impl Stepper {
         })
     }
 
-    /// Drops digits that steps do not need: after [`Stepper::compliance`].
-    pub fn round(&mut self, matter: &Matter) {
-        if let Self::Implicit(implicit) = self {
-            implicit.round(matter);
-        }
-    }
-
     /// A step of a method without matrix, with the forces of the scratch, into its `predicted` and
     /// `speed`.
     pub fn run(&self, matter: &Matter, state: &DeformableState, scratch: &mut DeformableScratch) {
@@ -56,30 +42,17 @@ impl Stepper {
         }
     }
 
-    /// Columns of the surface's coordinates.
-    ///
-    /// # Errors
-    /// A matrix without factor.
-    pub fn compliance(&self, matter: &Matter) -> Result<Compliance, DeformableError> {
-        let mut index = vec![FIXED; matter.rest.len()];
-        for (column, &coordinate) in matter.surface.iter().enumerate() {
-            index[coordinate as usize] = column as u32;
+    /// How forces on the net move a body whose step has no matrix; nothing of others.
+    pub fn by_trial(&self, matter: &Matter) -> SurfaceBlocks {
+        match self {
+            Self::Implicit(_) => SurfaceBlocks::default(),
+            Self::Explicit(_) | Self::Xpbd(_) => {
+                SurfaceBlocks::of_scalars(matter, &self.columns_by_trial(matter, &matter.surface))
+            }
         }
-        let response = match self {
-            Self::Implicit(implicit) => implicit.response(matter, &matter.surface)?,
-            Self::Explicit(_) | Self::Xpbd(_) => Response {
-                columns: vec![self.columns_by_trial(matter, &matter.surface)],
-                ..Response::default()
-            },
-        };
-        Ok(Compliance {
-            column: index,
-            response,
-        })
     }
 
-    /// Compliance of a step that has no matrix: what small forces do to the body at rest, made
-    /// symmetric.
+    /// (surface × unknowns), m/N: what small forces do to the body at rest.
     fn columns_by_trial(&self, matter: &Matter, surface: &[u32]) -> Vec<f64> {
         let (n, state, mut scratch) = (
             matter.unknown_count(),
@@ -104,14 +77,6 @@ impl Stepper {
             scratch.forces[coordinate as usize] = Vector3::zeros();
             let moved = |&c: &u32| (scratch.predicted[c as usize].z - free[c as usize].z) / force_n;
             columns.extend(matter.coordinate_of_unknown.iter().map(moved));
-        }
-        let row = |coordinate: u32| matter.unknown[coordinate as usize] as usize;
-        for (i, &a) in surface.iter().enumerate() {
-            for (j, &b) in surface.iter().enumerate().take(i) {
-                let (there, back) = (i * n + row(b), j * n + row(a));
-                let mean = 0.5 * (columns[there] + columns[back]);
-                (columns[there], columns[back]) = (mean, mean);
-            }
         }
         columns
     }

@@ -1,17 +1,14 @@
-//! The tangent of backward Euler at rest, `M / dt² + (1 + d / dt) K`, in 3 × 3 blocks of
-//! coordinates.
+//! The tangent of backward Euler, `M / dt² + (1 + d / dt) K`, in 3 × 3 blocks of coordinates, and what is added for
+//! springs.
 //!
-//! K is a little above the law's own tangent at rest: a step that starts from the inertial
-//! prediction is stable while the law's tangent, wherever the body is, stays below 4/3 of the
-//! matrix's. What tension adds where the law is soft (cells that are long and thin, light nodes) is
-//! met by a share of a Laplacian, as large as slow motions allow: it resists turning too,
-//! as if the body were heavier.
+//! Springs alone are soft against turning (cells that are long and thin, light nodes). What their tension adds there is
+//! met by a share of a Laplacian, as large as slow motions allow: it resists turning too, as if the body were heavier.
 
+use super::elements::{Place, Weight};
 use super::matter::Matter;
 use super::neighbours::middle;
 use super::node_map::NodeMap;
-use crate::body::elements::Weight;
-use palpate_geometry::math::{BlockTriplets, Lane, Matrix3, SymmetricTriplets, Vector3};
+use palpate_geometry::math::{BlockTriplets, Matrix3, SymmetricTriplets, Vector3};
 use std::collections::BTreeMap;
 
 /// Shares of the firm Laplacian: at most in the tangent of rest, and in the firmer one.
@@ -21,8 +18,6 @@ const FIRM_SHARE: f64 = 1.0;
 const SHORT: f64 = 0.5;
 /// The largest share of a short edge.
 const SHORT_SHARE: f64 = 1.0;
-/// Strains of nearly incompressible cells that they follow.
-pub(super) const STRAINS: [f64; 2] = [0.3, 0.6];
 /// How much the share may add to the inertia of turning: slow swings become longer by half of it.
 const ADDED_INERTIA: f64 = 0.01;
 /// A beam's slowest swing turns its parts more than turning as a whole does, for the same kinetic
@@ -39,9 +34,9 @@ pub(super) struct Firm {
     pub short: Vec<(u32, u32, f64)>,
 }
 
-/// The firm Laplacian in the matrices of a body.
+/// The firm Laplacian in the matrices of a lattice.
 ///
-/// Edges have the same share, except that short ones of a lattice have more, by the square of the
+/// Edges have the same share, except that short ones have more, by the square of the
 /// middle length over theirs: they add no more to the inertia of turning, and it is there (poles) that
 /// the frames of neighbours differ most against their distance.
 pub(super) fn firm(matter: &Matter) -> Firm {
@@ -62,11 +57,7 @@ pub(super) fn firm(matter: &Matter) -> Firm {
     let squares: Vec<f64> = (edges.iter())
         .map(|&(a, b, _)| (nodes[a as usize] - nodes[b as usize]).norm_squared())
         .collect();
-    // Springs alone resist no turning of small parts; cells of a solid do.
-    let middle = match matter.law.springs.len() {
-        0 => 0.0,
-        _ => middle(&squares),
-    };
+    let middle = middle(&squares);
     let boost = |square: f64| (SHORT * SHORT * middle / square.max(f64::MIN_POSITIVE)).max(1.0);
     let share = |least: f64, most: f64, square: f64| (least * boost(square)).min(most);
     // Turning about each axis at 1 rad/s adds up to |r|² twice.
@@ -105,53 +96,38 @@ pub(super) fn firm(matter: &Matter) -> Firm {
     }
 }
 
-/// Blocks of the matrix for the coordinates that can move: those of the law, inertia, and what edges
-/// of the firm Laplacian carry.
-pub(super) fn at_rest(
-    matter: &Matter,
-    law: &BlockTriplets,
-    firm: &[(u32, u32, f64)],
-) -> BlockTriplets {
+/// Adds what edges carry to blocks of the coordinates that can move.
+pub(super) fn add_edges(matter: &Matter, edges: &[(u32, u32, f64)], to: &mut BlockTriplets) {
+    let scale = 1.0 + matter.damping_s / matter.settings.dt_s;
+    let mut scalar = SymmetricTriplets::new(to.n);
+    let edges: Vec<_> = edges.iter().map(|&(a, b, k)| (a, b, k * scale)).collect();
+    (matter.map).add_edges(&edges, |c| matter.unknown(c as usize), &mut scalar);
+    for &(i, j, value) in &scalar.entries {
+        let block = Matrix3::from_diagonal_element(value);
+        to.add(i as usize, j as usize, block);
+    }
+}
+
+/// The tangent at a place, in blocks of the coordinates that can move.
+pub(super) fn at(matter: &Matter, place: &Place<'_>) -> BlockTriplets {
     let dt = matter.settings.dt_s;
-    let mut matrix = law.clone();
+    let scale = 1.0 + matter.damping_s / dt;
+    let mut matrix = BlockTriplets::new(matter.unknown_count());
     for (row, &coordinate) in matter.coordinate_of_unknown.iter().enumerate() {
         let share = matter.masses[coordinate as usize] / (dt * dt);
         matrix.add(row, row, Matrix3::from_diagonal_element(share));
     }
-    let scale = 1.0 + matter.damping_s / dt;
-    let mut scalar = SymmetricTriplets::new(matrix.n);
-    let edges: Vec<_> = firm.iter().map(|&(a, b, k)| (a, b, k * scale)).collect();
-    matter
-        .map
-        .add_edges(&edges, |c| matter.unknown(c as usize), &mut scalar);
-    for &(i, j, value) in &scalar.entries {
-        matrix.add(
-            i as usize,
-            j as usize,
-            Matrix3::from_diagonal_element(value),
-        );
-    }
-    matrix
-}
-
-/// (1 + d / dt) K in blocks of the coordinates that can move.
-pub(super) fn of_law(matter: &Matter, strain: f64) -> BlockTriplets {
-    let mut matrix = BlockTriplets::new(matter.unknown_count());
-    let scale = 1.0 + matter.damping_s / matter.settings.dt_s;
-    let nodes: Vec<Lane> = (matter.map.nodes(&matter.rest).iter())
-        .map(|p| [p.x, p.y, p.z, 0.0])
-        .collect();
     match &matter.map {
         NodeMap::Same => {
             matter
                 .law
-                .tangent_at_rest(&nodes, strain, &mut |a, b, block| {
+                .tangent_at(place, &mut |a, b, block| {
                     let (a, b) = (matter.unknown(a as usize), matter.unknown(b as usize));
                     if let (Some(a), Some(b)) = (a, b) {
                         matrix.add(a, b, block * scale);
                     }
                 });
-            matter.law.shared_at_rest(&mut |growth, stiffness| {
+            matter.law.shared_at(place.places, &mut |growth, stiffness| {
                 let of_coordinates = growth.iter().copied();
                 each_product(
                     matter,
@@ -169,7 +145,7 @@ pub(super) fn of_law(matter: &Matter, strain: f64) -> BlockTriplets {
             let mut of_nodes: BTreeMap<(u32, u32), Matrix3> = BTreeMap::new();
             matter
                 .law
-                .tangent_at_rest(&nodes, strain, &mut |a, b, block| {
+                .tangent_at(place, &mut |a, b, block| {
                     *of_nodes.entry((a, b)).or_insert_with(Matrix3::zeros) += block;
                 });
             for (&(a, b), block) in &of_nodes {
@@ -196,7 +172,7 @@ pub(super) fn of_law(matter: &Matter, strain: f64) -> BlockTriplets {
                     }
                 }
             }
-            matter.law.shared_at_rest(&mut |growth, stiffness| {
+            matter.law.shared_at(place.places, &mut |growth, stiffness| {
                 let of_nodes = growth.iter().map(|&(node, gradient)| {
                     let (coordinates, weights) = map.row(node as usize);
                     (gradient, coordinates.iter().zip(weights))

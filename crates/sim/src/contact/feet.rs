@@ -269,6 +269,7 @@ fn row(p: usize, pair: &Pair, key: RowKey, contact: &Contact) -> Row {
             ToolPoint::Found | ToolPoint::Corner | ToolPoint::Round => f64::INFINITY,
         },
         slip: Vector3::zeros(),
+        forced: Vector3::zeros(),
         law: law(pair),
         point: contact.on_body,
         arm: Vector3::zeros(),

@@ -98,7 +98,7 @@ pub(crate) fn slip(
             let mut slip = row.slip;
             if let Some(stick) = stuck {
                 let there = predicted(rows, body, parts, stick.u, stick.v);
-                slip = free - there - turn * stick.offset;
+                slip = free - there - turn * stick.offset - row.forced;
                 if (here - there).norm() <= ROLLS * body.size_m {
                     return (slip, stick);
                 }
@@ -108,7 +108,7 @@ pub(crate) fn slip(
                 Stick {
                     u: row.u,
                     v: row.v,
-                    offset: turn.inverse_transform_vector(&(free - here - slip)),
+                    offset: turn.inverse_transform_vector(&(free - here - row.forced - slip)),
                 },
             )
         }

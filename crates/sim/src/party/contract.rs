@@ -58,6 +58,10 @@ pub(crate) trait Party {
     /// Predict: free motion of the tick that begins, without contact.
     fn predict(&self, _around: &Around<'_>, _state: &Self::State, _scratch: &mut Self::Scratch) {}
 
+    /// Contacts: takes from the gaps of its rows what the contact forces of the last tick, with which its motion was
+    /// predicted, move them.
+    fn take_back(&self, _scratch: &Self::Scratch, _rows: &mut RowSet, _solver: &mut Solver) {}
+
     /// Solve: adds to the matrix how forces on its rows move them.
     fn respond(&self, _state: &Self::State, _scratch: &Self::Scratch, _problem: &mut Problem<'_>) {}
 
@@ -112,6 +116,15 @@ pub(crate) trait Party {
     /// One more iteration of its step under what it took; its rows follow.
     fn correct(&self, _state: &Self::State, _scratch: &mut Self::Scratch, _rows: &mut RowSet) {}
 
+    /// Goes where what it took leads, short of the end of its step; answers with the share of that motion that it can
+    /// follow, at most 1.
+    fn arrive(&self, _state: &Self::State, _scratch: &mut Self::Scratch) -> f64 {
+        1.0
+    }
+
+    /// Takes no more than a share of that motion, and of the forces.
+    fn shorten(&self, _state: &Self::State, _scratch: &mut Self::Scratch, _share: f64) {}
+
     /// Moves it under what it took. Where that led beyond reason it is set back, and says so.
     fn apply(
         &self,
@@ -165,11 +178,6 @@ pub(crate) trait Party {
     /// Its step does less than the scene asks for at this level of quality.
     fn is_degraded(&self, _level: u8, _scratch: &Self::Scratch) -> bool {
         false
-    }
-
-    /// Cells that the last pass held back, because their tangent exceeded what the step follows.
-    fn limited_cells(&self, _scratch: &Self::Scratch) -> u32 {
-        0
     }
 
     /// Its step before it is taken, when it solves an equation of its own.

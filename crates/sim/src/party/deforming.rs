@@ -1,9 +1,10 @@
 //! A body that deforms: its surface gives way as its implicit step does.
 
 use super::body::{BodyScratch, BodyState, DeformingScratch, Of, box_of};
-use super::contract::{Around, Begun, Ended, Party, Problem, direction};
+use super::contract::{Around, Begun, Ended, Party, Problem};
 use super::pipeline::Pipeline;
-use crate::body::{DeformableState, FallBack, Field};
+use crate::body::{Deformable, DeformableScratch, DeformableState, FallBack, Field};
+use crate::solve::delassus::{Compliance, Delassus, Frame};
 use crate::scene::{Body, DeformingBody};
 use crate::solve::indentation::Resolution;
 use crate::solve::rows::{DeformingView, Row, RowSet};
@@ -20,6 +21,22 @@ pub(crate) fn view<'a>(body: &'a Body, parts: &'a BodyScratch) -> Option<Deformi
         predicted: &deforming.predicted_net,
         samples: &body.deforming()?.samples,
     })
+}
+
+/// How a body answers forces on its net in the step that a scratch stands for.
+struct Answers<'a> {
+    deformable: &'a Deformable,
+    scratch: &'a DeformableScratch,
+}
+
+impl Compliance for Answers<'_> {
+    fn column(&self, place: usize) -> &[[f32; 9]] {
+        self.deformable.compliance_of(self.scratch, place)
+    }
+
+    fn frame(&self, place: usize) -> &Frame {
+        self.deformable.frame_of(self.scratch, place)
+    }
 }
 
 /// What a tick did to a body.
@@ -96,10 +113,6 @@ impl Party for Of<'_, &DeformingBody> {
     }
 
     fn respond(&self, _: &BodyState, scratch: &BodyScratch, problem: &mut Problem<'_>) {
-        let Some(deforming) = &scratch.deforming else {
-            return;
-        };
-        let deformable = &self.kind.deformable;
         let Problem {
             rows,
             whole,
@@ -108,51 +121,39 @@ impl Party for Of<'_, &DeformingBody> {
         let Solver {
             problem, delassus, ..
         } = &mut **solver;
-        delassus.clear();
-        for (i, row) in rows.rows.iter().enumerate() {
-            for (sign, side) in row.sides_on(self.index) {
-                let (controls, weights) = rows.weights_in(side);
-                let moving = controls.iter().zip(weights);
-                let moving = moving.filter_map(|(&control, &weight)| {
-                    let coordinate = deformable.coordinate_of_control(control as usize);
-                    Some((deformable.unknown(coordinate)?, coordinate, weight))
-                });
-                delassus.add(i, sign, moving);
-            }
-        }
-        delassus.respond(|coordinate| deformable.compliance_of(&deforming.deformable, coordinate));
-        delassus.each_pair(|pair| {
+        self.gather(rows, delassus);
+        let compliance = self.compliance(scratch);
+        let Some(compliance) = compliance else { return };
+        let normal_of = |row: usize| rows.rows[row].normal;
+        let normal_of: &dyn Fn(usize) -> Vector3 = &normal_of;
+        let smooth = (!*whole).then_some(normal_of);
+        delassus.each_pair(&compliance, smooth, |pair| {
             let [i, j] = pair.rows;
-            let entry = pair.compliance * direction(&rows.rows[i], &rows.rows[j], *whole);
+            let entry = match *whole {
+                false => pair.moved[0].dot(&rows.rows[i].normal),
+                true => (pair.moved[0].x + pair.moved[1].y + pair.moved[2].z) / 3.0,
+            };
             problem.row_mut(i)[j] += entry;
             if !pair.same {
                 problem.row_mut(j)[i] += entry;
             }
         });
-        if !*whole {
-            self.respond_softly(scratch, rows, solver);
-        }
     }
 
-    fn mode_count(&self) -> usize {
-        self.kind.deformable.mode_count()
-    }
-
-    fn give_modes(
-        &self,
-        scratch: &BodyScratch,
-        row: &Row,
-        first: usize,
-        problem: &mut Problem<'_>,
-    ) {
-        let Problem { rows, solver, .. } = problem;
-        if !self.modes_of_row(scratch, rows, row, solver) {
+    fn take_back(&self, scratch: &BodyScratch, rows: &mut RowSet, solver: &mut Solver) {
+        let Some(compliance) = self.compliance(scratch) else {
+            return;
+        };
+        let carried = compliance.deformable.carried(compliance.scratch);
+        if carried.is_empty() {
             return;
         }
-        let moves = solver.mode_moves.iter();
-        for (k, (moves, gain)) in moves.zip(self.kind.deformable.mode_gains()).enumerate() {
-            solver.friction.add_mode(first + k, *gain, moves);
-        }
+        let delassus = &mut solver.delassus;
+        self.gather(rows, delassus);
+        let loads = carried.iter().filter_map(|&(coordinate, force)| {
+            Some((compliance.deformable.surface_place(coordinate as usize)?, force))
+        });
+        delassus.each_moved(&compliance, loads, |i, moved| rows.rows[i].take_back(&moved));
     }
 
     fn gives(
@@ -163,36 +164,19 @@ impl Party for Of<'_, &DeformingBody> {
         problem: &mut Problem<'_>,
     ) -> f64 {
         let Problem { rows, solver, .. } = problem;
-        let mut sum = 0.0;
-        if self.modes_of_row(scratch, rows, row, solver) {
-            let moves = solver.mode_moves.iter();
-            sum += (moves.zip(self.kind.deformable.mode_gains()))
-                .map(|(moves, gain)| gain * moves.dot(&row.normal).powi(2))
-                .sum::<f64>();
-        }
-        let Some(deforming) = &scratch.deforming else {
-            return sum;
+        let Some(compliance) = self.compliance(scratch) else {
+            return 0.0;
         };
-        let deformable = &self.kind.deformable;
-        for (sign_a, side_a) in row.sides_on(self.index) {
-            let (controls_a, weights_a) = rows.weights_in(side_a);
-            for (&a, weight_a) in controls_a.iter().zip(weights_a) {
-                let coordinate = deformable.coordinate_of_control(a as usize);
-                let Some(column) = deformable.compliance_of(&deforming.deformable, coordinate)
-                else {
-                    continue;
-                };
-                for (sign_b, side_b) in row.sides_on(self.index) {
-                    let (controls_b, weights_b) = rows.weights_in(side_b);
-                    for (&b, weight_b) in controls_b.iter().zip(weights_b) {
-                        let there = deformable.coordinate_of_control(b as usize);
-                        if let Some(unknown) = deformable.unknown(there) {
-                            sum += sign_a * sign_b * weight_a * weight_b * column[unknown];
-                        }
-                    }
-                }
-            }
-        }
+        let delassus = &mut solver.delassus;
+        delassus.clear();
+        self.add_sides(rows, (0, row), delassus);
+        delassus.sort();
+        let mut sum = 0.0;
+        let normal_of = |_| row.normal;
+        delassus.each_pair(&compliance, Some(&normal_of), |pair| {
+            let twice = if pair.same { 1.0 } else { 2.0 };
+            sum += twice * pair.moved[0].dot(&row.normal);
+        });
         sum
     }
 
@@ -243,6 +227,25 @@ impl Party for Of<'_, &DeformingBody> {
             *point = next;
         }
         rows.shift(self.index, &deforming.change);
+    }
+
+    fn arrive(&self, state: &BodyState, scratch: &mut BodyScratch) -> f64 {
+        let (Some(nodes), Some(deforming)) = (&state.deformable, &mut scratch.deforming) else {
+            return 1.0;
+        };
+        if self.kind.every > 1 {
+            return 1.0;
+        }
+        let deformable = &self.kind.deformable;
+        deformable.arrive(nodes, &mut deforming.deformable);
+        deformable.share(&deforming.deformable)
+    }
+
+    fn shorten(&self, state: &BodyState, scratch: &mut BodyScratch, share: f64) {
+        if let (Some(nodes), Some(deforming)) = (&state.deformable, &mut scratch.deforming) {
+            let deformable = &self.kind.deformable;
+            deformable.shorten(nodes, &mut deforming.deformable, share);
+        }
     }
 
     /// Steps every tick, or begins a step with the forces of one tick and takes it over some ticks later, on
@@ -339,11 +342,6 @@ impl Party for Of<'_, &DeformingBody> {
         fewer || self.fall_back(scratch).is_some()
     }
 
-    fn limited_cells(&self, scratch: &BodyScratch) -> u32 {
-        let deforming = scratch.deforming.as_ref();
-        deforming.map_or(0, |own| self.kind.deformable.limited(&own.deformable))
-    }
-
     fn begun(&self, state: &BodyState, scratch: &BodyScratch) -> Option<Begun> {
         let deformable = &self.kind.deformable;
         let fall_back = self.fall_back(scratch);
@@ -386,63 +384,37 @@ impl Of<'_, &DeformingBody> {
         self.kind.deformable.fall_back(&deforming.deformable)
     }
 
-    /// How each soft mode moves a row, into the solver's buffer; false if none does.
-    fn modes_of_row(
-        &self,
-        scratch: &BodyScratch,
-        rows: &RowSet,
-        row: &Row,
-        solver: &mut Solver,
-    ) -> bool {
-        let deformable = &self.kind.deformable;
-        let Some(deforming) = scratch.deforming.as_ref() else {
-            return false;
-        };
-        if deformable.mode_count() == 0 {
-            return false;
-        }
-        let moves = &mut solver.mode_moves[..deformable.mode_count()];
-        moves.fill(Vector3::zeros());
-        let mut any = false;
-        for (sign, side) in row.sides_on(self.index) {
-            any = true;
-            let (controls, weights) = rows.weights_in(side);
-            for (&control, &weight) in controls.iter().zip(weights) {
-                let coordinate = deformable.coordinate_of_control(control as usize);
-                deformable.add_modes(&deforming.deformable, coordinate, sign * weight, moves);
-            }
-        }
-        any
+    /// The body as what its rows do to each other sees it.
+    fn compliance<'s>(&self, scratch: &'s BodyScratch) -> Option<Answers<'s>>
+    where
+        Self: 's,
+    {
+        let scratch = &scratch.deforming.as_ref()?.deformable;
+        Some(Answers {
+            deformable: &self.kind.deformable,
+            scratch,
+        })
     }
 
-    /// Adds what soft modes move rows along their normals.
-    fn respond_softly(&self, scratch: &BodyScratch, rows: &RowSet, solver: &mut Solver) {
+    /// All sides of rows on the body.
+    fn gather(&self, rows: &RowSet, delassus: &mut Delassus) {
+        delassus.clear();
+        for row in rows.rows.iter().enumerate() {
+            self.add_sides(rows, row, delassus);
+        }
+        delassus.sort();
+    }
+
+    fn add_sides(&self, rows: &RowSet, (i, row): (usize, &Row), delassus: &mut Delassus) {
         let deformable = &self.kind.deformable;
-        let (modes, count) = (deformable.mode_count(), rows.rows.len());
-        if modes == 0 {
-            return;
-        }
-        for (i, row) in rows.rows.iter().enumerate() {
-            let moved = self.modes_of_row(scratch, rows, row, solver);
-            let along = &mut solver.modes_along[i * modes..(i + 1) * modes];
-            for (along, moves) in along.iter_mut().zip(&solver.mode_moves) {
-                *along = if moved { moves.dot(&row.normal) } else { 0.0 };
-            }
-        }
-        let gains = deformable.mode_gains();
-        for i in 0..count {
-            let first = &solver.modes_along[i * modes..(i + 1) * modes];
-            for j in 0..=i {
-                let second = &solver.modes_along[j * modes..(j + 1) * modes];
-                let mut entry = 0.0;
-                for ((a, b), gain) in first.iter().zip(second).zip(gains) {
-                    entry += a * b * gain;
-                }
-                solver.problem.row_mut(i)[j] += entry;
-                if i != j {
-                    solver.problem.row_mut(j)[i] += entry;
-                }
-            }
+        for (sign, side) in row.sides_on(self.index) {
+            let (controls, weights) = rows.weights_in(side);
+            let moving = controls.iter().zip(weights);
+            let moving = moving.filter_map(|(&control, &weight)| {
+                let coordinate = deformable.coordinate_of_control(control as usize);
+                Some((deformable.surface_place(coordinate)?, weight))
+            });
+            delassus.add(i, sign, moving);
         }
     }
 

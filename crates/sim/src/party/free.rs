@@ -160,6 +160,13 @@ impl Party for Of<'_, Freed<'_>> {
         }
     }
 
+    fn shorten(&self, _: &BodyState, scratch: &mut BodyScratch, share: f64) {
+        if let Some(rigid) = &mut scratch.rigid {
+            rigid.load.0 *= share;
+            rigid.load.1 *= share;
+        }
+    }
+
     fn apply(
         &self,
         _: &Around<'_>,

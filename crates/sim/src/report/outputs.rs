@@ -16,7 +16,7 @@ use crate::solve::rows::Row;
 use crate::solve::rows::RowSet;
 use crate::solve::solver::Solver;
 use crate::tick::record::{ContactReport, TickOutput, ToolOutput};
-use crate::tick::{flags, load};
+use crate::tick::flags;
 use palpate_geometry::math::{Vector3, turn_between};
 
 /// Limits the forces, and writes what the tools get.
@@ -213,11 +213,10 @@ fn is_near(scene: &Scene, row: &Row, gap_m: f64) -> bool {
         && gap_m < margin_m(radius_m.unwrap_or(0.0), body.size_m)
 }
 
-/// Forces of all rows on the bodies, and the warm start of the next tick.
-pub(crate) fn load_bodies(
+/// The warm start of the next tick.
+pub(crate) fn remember(
     scene: &Scene,
     warm: &mut Warm,
-    tools: &[ToolScratch],
     bodies: &mut [BodyScratch],
     rows: &RowSet,
     solver: &Solver,
@@ -258,7 +257,6 @@ pub(crate) fn load_bodies(
             kept.stick = stick::kept(i, &row, solver);
         }
         warm.push(kept);
-        load::push_bodies(scene, rows, solver, tools, bodies, i, 0);
     }
     warm.merge(&rest.rows);
 }

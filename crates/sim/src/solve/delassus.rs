@@ -1,30 +1,45 @@
-//! What rows on a deforming surface do to each other: C W Cᵀ, C the weights of the rows, W the
-//! surface's compliance.
+//! What rows on a deforming surface do to each other: J A Jᵀ, J the weights of the rows, A the operator by which the
+//! body's step answers loads, in 3 × 3 blocks between coordinates of its net.
 //!
-//! Rows share control points: each column of W that any row touches is read once, at those of its
-//! entries that matter.
+//! Rows share control points, so each block that matters is read once for a batch of sides. Blocks stand between frames
+//! that turn with the body: directions are turned into the frame of each control point, displacements back.
 
-use palpate_geometry::math::Lane;
-use palpate_geometry::math::simd;
+use palpate_geometry::math::lanes::{Baseline, Lanes};
+use palpate_geometry::math::{Lane, Vector3, simd};
 
 /// No slot.
 const NONE: u32 = u32::MAX;
+/// Sides whose answers are found together.
+const BATCH: usize = 128;
+/// Directions of a side, at most.
+const MOST: usize = 3;
+
+/// Rows of a rotation.
+pub type Frame = [[f64; 3]; 3];
+
+/// The operator of a body, by place on its net.
+pub trait Compliance {
+    /// How a force at a place moves all of them, m/N: blocks by columns.
+    fn column(&self, place: usize) -> &[[f32; 9]];
+    /// The frame of a place.
+    fn frame(&self, place: usize) -> &Frame;
+}
 
 /// Buffers for up to a number of sides of rows on one body.
 #[derive(Clone, Debug)]
 pub struct Delassus {
-    /// (unknowns): place among those concerned.
+    /// (places): slot among those concerned.
     slot_of: Vec<u32>,
     sides: Vec<Side>,
-    /// Of side after side: unknown, later slot, and weight.
-    entries: Vec<(u32, f64)>,
-    /// Unknowns concerned, ascending, and where the entries of each begin in `by_slot`.
+    /// Of side after side.
+    entries: Vec<Entry>,
+    /// Places concerned, ascending, and where the entries of each begin in `by_slot`.
     concerned: Vec<Concerned>,
-    /// Entries of slot after slot: side and weight.
-    by_slot: Vec<(u32, f64)>,
-    /// One column of W at the slots, padded to whole lanes.
-    column: Vec<Lane>,
-    /// What a unit force on each side does at the slots, side after side, m/N.
+    /// Entries of slot after slot: side and entry.
+    by_slot: Vec<(u32, u32)>,
+    /// Of entry after entry, weighted directions in the frame of its place.
+    directions: Vec<Lane>,
+    /// What unit forces on a batch of sides do at the slots, side after side and direction after direction, m/N.
     response: Vec<Lane>,
 }
 
@@ -37,65 +52,72 @@ struct Side {
 }
 
 #[derive(Clone, Copy, Debug)]
+struct Entry {
+    /// A place, then its slot.
+    slot: u32,
+    weight: f64,
+}
+
+#[derive(Clone, Copy, Debug)]
 struct Concerned {
-    unknown: u32,
-    coordinate: u32,
+    place: u32,
     start: u32,
 }
 
+/// How a force on one side moves another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PairOfSides {
+    /// The row that is moved, and the row that the force is on.
+    pub rows: [usize; 2],
+    /// They are one side.
+    pub same: bool,
+    /// By direction of the force: the displacement with the signs of both sides, m/N.
+    pub moved: [Vector3; MOST],
+}
+
 impl Delassus {
-    /// Room for `sides` of `width` weights each, on bodies of at most `unknowns`, `surface` of them
-    /// of the net.
-    pub fn new(sides: usize, width: usize, unknowns: usize, surface: usize) -> Self {
+    /// Room for `sides` of `width` weights each, on nets of at most `places`.
+    pub fn new(sides: usize, width: usize, places: usize) -> Self {
         let entries = sides * width;
-        let slots = surface.min(entries);
-        let lanes = slots.div_ceil(4);
+        let slots = places.min(entries);
         Self {
-            slot_of: vec![NONE; unknowns],
+            slot_of: vec![NONE; places],
             sides: Vec::with_capacity(sides),
             entries: Vec::with_capacity(entries),
             concerned: Vec::with_capacity(slots),
-            by_slot: vec![(0, 0.0); entries],
-            column: vec![[0.0; 4]; lanes],
-            response: vec![[0.0; 4]; lanes * sides],
+            by_slot: vec![(0, 0); entries],
+            directions: vec![[0.0; 4]; MOST * entries],
+            response: vec![[0.0; 4]; MOST * slots * sides.min(BATCH)],
         }
     }
 
     /// No sides.
     pub fn clear(&mut self) {
         for seen in &self.concerned {
-            self.slot_of[seen.unknown as usize] = NONE;
+            self.slot_of[seen.place as usize] = NONE;
         }
         self.sides.clear();
         self.entries.clear();
         self.concerned.clear();
     }
 
-    /// Adds a side of a row, pushed along the row's normal times `sign`: (unknown, coordinate,
-    /// weight) of its control points that move.
-    pub fn add(
-        &mut self,
-        row: usize,
-        sign: f64,
-        weights: impl Iterator<Item = (usize, usize, f64)>,
-    ) {
+    /// Adds a side of a row, pushed along the row's normal times `sign`: (place, weight) of its control points that
+    /// move.
+    pub fn add(&mut self, row: usize, sign: f64, weights: impl Iterator<Item = (usize, f64)>) {
         debug_assert!(sign.abs() == 1.0, "a side is pushed along or against");
         debug_assert!(
             self.sides.len() < self.sides.capacity(),
             "no room for a side"
         );
         let start = self.entries.len() as u32;
-        for (unknown, coordinate, weight) in weights {
-            if self.slot_of[unknown] == NONE {
-                self.slot_of[unknown] = 0;
-                let (unknown, coordinate) = (unknown as u32, coordinate as u32);
-                self.concerned.push(Concerned {
-                    unknown,
-                    coordinate,
-                    start: 0,
-                });
+        for (place, weight) in weights {
+            if self.slot_of[place] == NONE {
+                self.slot_of[place] = 0;
+                let place = place as u32;
+                self.concerned.push(Concerned { place, start: 0 });
             }
-            self.entries.push((unknown as u32, weight));
+            let slot = place as u32;
+            self.entries.push(Entry { slot, weight });
         }
         self.sides.push(Side {
             row: row as u32,
@@ -105,54 +127,28 @@ impl Delassus {
         });
     }
 
-    /// Finds what each side does to all others. `column_of`: the column of W of a coordinate, by
-    /// unknown, m/N.
-    pub fn respond<'a>(&mut self, column_of: impl Fn(usize) -> Option<&'a [f64]>) {
+    /// True without sides.
+    pub fn is_empty(&self) -> bool {
+        self.sides.is_empty()
+    }
+
+    /// Orders places as they lie in every column, and entries by slot. To be called once all sides are there.
+    pub fn sort(&mut self) {
         debug_assert!(
             self.entries.len() <= self.by_slot.len(),
             "no room for weights"
         );
-        self.sort();
-        let lanes = self.concerned.len().div_ceil(4);
-        self.response[..lanes * self.sides.len()].fill([0.0; 4]);
-        self.column[..lanes].fill([0.0; 4]);
-        for slot in 0..self.concerned.len() {
-            let Some(column) = column_of(self.concerned[slot].coordinate as usize) else {
-                continue;
-            };
-            let to = self.column.as_flattened_mut().iter_mut();
-            for (value, seen) in to.zip(&self.concerned) {
-                *value = column[seen.unknown as usize];
-            }
-            let end = self
-                .concerned
-                .get(slot + 1)
-                .map_or(self.entries.len(), |next| next.start as usize);
-            for &(side, weight) in &self.by_slot[self.concerned[slot].start as usize..end] {
-                let start = side as usize * lanes;
-                add_scaled(
-                    &mut self.response[start..start + lanes],
-                    &self.column[..lanes],
-                    weight,
-                );
-            }
-        }
-    }
-
-    /// Orders what is concerned by unknown, whose entries lie near each other in every column, and
-    /// entries by slot.
-    fn sort(&mut self) {
-        self.concerned.sort_unstable_by_key(|seen| seen.unknown);
+        self.concerned.sort_unstable_by_key(|seen| seen.place);
         for (slot, seen) in self.concerned.iter_mut().enumerate() {
-            self.slot_of[seen.unknown as usize] = slot as u32;
+            self.slot_of[seen.place as usize] = slot as u32;
             seen.start = 0;
         }
-        for (unknown, _) in &mut self.entries {
-            *unknown = self.slot_of[*unknown as usize];
+        for entry in &mut self.entries {
+            entry.slot = self.slot_of[entry.slot as usize];
         }
         // Counts, then ends, then, filled from the back, starts.
-        for &(slot, _) in &self.entries {
-            self.concerned[slot as usize].start += 1;
+        for entry in &self.entries {
+            self.concerned[entry.slot as usize].start += 1;
         }
         let mut end = 0;
         for seen in &mut self.concerned {
@@ -160,68 +156,209 @@ impl Delassus {
             seen.start = end;
         }
         for (s, side) in self.sides.iter().enumerate().rev() {
-            for &(slot, weight) in self.entries[side.start as usize..side.end as usize]
-                .iter()
-                .rev()
-            {
-                let start = &mut self.concerned[slot as usize].start;
+            for e in (side.start..side.end).rev() {
+                let start = &mut self.concerned[self.entries[e as usize].slot as usize].start;
                 *start -= 1;
-                self.by_slot[*start as usize] = (s as u32, weight);
+                self.by_slot[*start as usize] = (s as u32, e);
             }
         }
     }
 
-    /// Calls `add` with (row, row, signs × what a force on the one does to the other) for every
-    /// pair of sides, once each, the first no later than the second.
-    pub fn each_pair(&self, mut add: impl FnMut(PairOfSides)) {
-        let stride = 4 * self.concerned.len().div_ceil(4);
-        let response = self.response.as_flattened();
-        for (s, a) in self.sides.iter().enumerate() {
-            let response = &response[s * stride..(s + 1) * stride];
-            for (t, b) in self.sides.iter().enumerate().skip(s) {
-                let mut moved = 0.0;
-                for &(slot, weight) in &self.entries[b.start as usize..b.end as usize] {
-                    moved += weight * response[slot as usize];
+    /// Calls `add` for every pair of sides, once each, the row that is moved no later than the other. `normal_of`: the
+    /// direction of a row's force; without it, three forces along the axes.
+    pub fn each_pair(
+        &mut self,
+        compliance: &impl Compliance,
+        normal_of: Option<&dyn Fn(usize) -> Vector3>,
+        add: impl FnMut(PairOfSides),
+    ) {
+        let wanted = match normal_of {
+            Some(normal_of) => {
+                self.turn::<1>(compliance, &|row| [normal_of(row)]);
+                return self.run::<1>(compliance, add);
+            }
+            None => [Vector3::x(), Vector3::y(), Vector3::z()],
+        };
+        self.turn::<3>(compliance, &|_| wanted);
+        self.run::<3>(compliance, add);
+    }
+
+    /// Directions of all entries in the frames of their places.
+    fn turn<const C: usize>(
+        &mut self,
+        compliance: &impl Compliance,
+        of_row: &dyn Fn(usize) -> [Vector3; C],
+    ) {
+        for side in &self.sides {
+            let wanted = of_row(side.row as usize);
+            for e in side.start as usize..side.end as usize {
+                let Entry { slot, weight } = self.entries[e];
+                let frame = compliance.frame(self.concerned[slot as usize].place as usize);
+                for (to, way) in self.directions[C * e..].iter_mut().zip(&wanted) {
+                    *to = into_rest(frame, way, weight);
                 }
-                let rows = [a.row as usize, b.row as usize];
-                add(PairOfSides {
-                    rows,
-                    same: s == t,
-                    compliance: a.sign * b.sign * moved,
-                });
             }
+        }
+    }
+
+    fn run<const C: usize>(
+        &mut self,
+        compliance: &impl Compliance,
+        mut add: impl FnMut(PairOfSides),
+    ) {
+        for first in (0..self.sides.len()).step_by(BATCH) {
+            let last = (first + BATCH).min(self.sides.len());
+            self.respond::<C>(compliance, first, last);
+            self.turn_back::<C>(compliance, last - first);
+            for s in first..last {
+                for t in 0..=s {
+                    add(self.pair::<C>(s, t, first));
+                }
+            }
+        }
+    }
+
+    /// Finds what the sides of a batch do at all slots, in the frames of the slots.
+    fn respond<const C: usize>(&mut self, compliance: &impl Compliance, first: usize, last: usize) {
+        let slots = self.concerned.len();
+        self.response[..C * slots * (last - first)].fill([0.0; 4]);
+        for slot in 0..slots {
+            let end = self.concerned.get(slot + 1);
+            let end = end.map_or(self.entries.len(), |next| next.start as usize);
+            let own = &self.by_slot[self.concerned[slot].start as usize..end];
+            let from = own.partition_point(|entry| (entry.0 as usize) < first);
+            let to = own.partition_point(|entry| (entry.0 as usize) < last);
+            let column = compliance.column(self.concerned[slot].place as usize);
+            let batch = Batch {
+                entries: &own[from..to],
+                first,
+                concerned: &self.concerned,
+                directions: &self.directions,
+            };
+            batch.add::<C>(column, &mut self.response);
+        }
+    }
+
+    /// Turns what a batch does at the slots into the world.
+    fn turn_back<const C: usize>(&mut self, compliance: &impl Compliance, sides: usize) {
+        let slots = self.concerned.len();
+        let of_sides = self.response.chunks_mut(C * slots.max(1)).take(sides);
+        for of_side in of_sides {
+            for (moved, seen) in of_side.chunks_exact_mut(C).zip(&self.concerned) {
+                let frame = compliance.frame(seen.place as usize);
+                for moved in moved {
+                    *moved = from_rest(frame, moved);
+                }
+            }
+        }
+    }
+
+    fn pair<const C: usize>(&self, s: usize, t: usize, first: usize) -> PairOfSides {
+        let slots = self.concerned.len();
+        let response = &self.response[C * slots * (s - first)..C * slots * (s - first + 1)];
+        let (pushed, moved_side) = (&self.sides[s], &self.sides[t]);
+        let sign = pushed.sign * moved_side.sign;
+        let mut moved = [[0.0; 4]; C];
+        for entry in &self.entries[moved_side.start as usize..moved_side.end as usize] {
+            let at = C * entry.slot as usize;
+            for (sum, part) in moved.iter_mut().zip(&response[at..at + C]) {
+                for k in 0..4 {
+                    sum[k] += entry.weight * part[k];
+                }
+            }
+        }
+        let mut out = [Vector3::zeros(); MOST];
+        for (out, [x, y, z, _]) in out.iter_mut().zip(moved) {
+            *out = Vector3::new(x, y, z) * sign;
+        }
+        PairOfSides {
+            rows: [moved_side.row as usize, pushed.row as usize],
+            same: s == t,
+            moved: out,
+        }
+    }
+
+    /// Calls `add` with each row and how far loads on the net (place, N) move its sides, signs included, m.
+    pub fn each_moved(
+        &mut self,
+        compliance: &impl Compliance,
+        loads: impl Iterator<Item = (usize, Vector3)>,
+        mut add: impl FnMut(usize, Vector3),
+    ) {
+        let slots = self.concerned.len();
+        self.response[..slots].fill([0.0; 4]);
+        for (place, force) in loads {
+            self.directions[0] = into_rest(compliance.frame(place), &force, 1.0);
+            let batch = Batch {
+                entries: &[(0, 0)],
+                first: 0,
+                concerned: &self.concerned,
+                directions: &self.directions,
+            };
+            batch.add::<1>(compliance.column(place), &mut self.response);
+        }
+        self.turn_back::<1>(compliance, 1);
+        for side in &self.sides {
+            let mut moved = Vector3::zeros();
+            for entry in &self.entries[side.start as usize..side.end as usize] {
+                let [x, y, z, _] = self.response[entry.slot as usize];
+                moved += Vector3::new(x, y, z) * (entry.weight * side.sign);
+            }
+            add(side.row as usize, moved);
         }
     }
 }
 
-/// Two sides of rows on one body.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PairOfSides {
-    /// Their rows.
-    pub rows: [usize; 2],
-    /// They are one side.
-    pub same: bool,
-    /// What a unit force on the one moves the other along the same direction, m/N, with the signs
-    /// of both.
-    pub compliance: f64,
+/// w Rᵀ v.
+fn into_rest(frame: &Frame, v: &Vector3, weight: f64) -> Lane {
+    let [a, b, c] = frame;
+    let turned = |k: usize| (a[k] * v.x + b[k] * v.y + c[k] * v.z) * weight;
+    [turned(0), turned(1), turned(2), 0.0]
 }
 
-/// y += w x.
-fn add_scaled(to: &mut [Lane], x: &[Lane], weight: f64) {
-    #[cfg(target_arch = "x86_64")]
-    if simd::has_avx2() {
-        // SAFETY: the processor has AVX2, asked just above.
-        #[allow(unsafe_code)]
-        return unsafe { add_scaled_wide(to, x, weight) };
+/// R v.
+fn from_rest(frame: &Frame, v: &Lane) -> Lane {
+    let turned = frame.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2]);
+    [turned[0], turned[1], turned[2], 0.0]
+}
+
+/// Entries of one slot in a batch of sides.
+struct Batch<'a> {
+    /// Side and entry.
+    entries: &'a [(u32, u32)],
+    first: usize,
+    concerned: &'a [Concerned],
+    directions: &'a [Lane],
+}
+
+impl Batch<'_> {
+    /// Adds what they do at all slots; `column`: the blocks of their place.
+    fn add<const C: usize>(&self, column: &[[f32; 9]], response: &mut [Lane]) {
+        #[cfg(target_arch = "x86_64")]
+        if simd::has_avx2() {
+            // SAFETY: the processor has AVX2, asked just above.
+            #[allow(unsafe_code)]
+            return unsafe { add_wide::<C>(self, column, response) };
+        }
+        self.add_in::<Baseline, C>(column, response);
     }
-    add_scaled_lanes(to, x, weight);
-}
 
-#[inline(always)]
-fn add_scaled_lanes(to: &mut [Lane], x: &[Lane], weight: f64) {
-    for (to, x) in to.iter_mut().zip(x) {
-        for k in 0..4 {
-            to[k] += weight * x[k];
+    #[inline(always)]
+    fn add_in<L: Lanes, const C: usize>(&self, column: &[[f32; 9]], response: &mut [Lane]) {
+        let slots = self.concerned.len();
+        for (slot, seen) in self.concerned.iter().enumerate() {
+            let block = &column[seen.place as usize];
+            let wide = |k: usize| [block[k].into(), block[k + 1].into(), block[k + 2].into(), 0.0];
+            let columns = [L::load(&wide(0)), L::load(&wide(3)), L::load(&wide(6))];
+            for &(side, entry) in self.entries {
+                let ways = &self.directions[C * entry as usize..C * (entry as usize + 1)];
+                let at = C * (slots * (side as usize - self.first) + slot);
+                for (moved, way) in response[at..at + C].iter_mut().zip(ways) {
+                    let first = L::load(moved) + columns[0] * L::splat(way[0]);
+                    let rest = columns[1] * L::splat(way[1]) + columns[2] * L::splat(way[2]);
+                    (first + rest).store(moved);
+                }
+            }
         }
     }
 }
@@ -229,89 +366,126 @@ fn add_scaled_lanes(to: &mut [Lane], x: &[Lane], weight: f64) {
 /// The same code with 256-bit registers; nothing is fused, so the bits are the same.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn add_scaled_wide(to: &mut [Lane], x: &[Lane], weight: f64) {
-    add_scaled_lanes(to, x, weight);
+fn add_wide<const C: usize>(batch: &Batch<'_>, column: &[[f32; 9]], response: &mut [Lane]) {
+    batch.add_in::<palpate_geometry::math::lanes::Wide, C>(column, response);
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use palpate_geometry::math::{Matrix3, Random, rotation_by};
 
-    /// Against the product of dense matrices.
-    #[test]
-    fn pairs_are_those_of_the_dense_product() {
-        let mut state = 3u64;
-        let mut random = || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
-        };
-        let unknowns = 40;
-        let factor: Vec<f64> = (0..unknowns * unknowns).map(|_| random()).collect();
-        let entry = |i: usize, j: usize| {
-            (0..unknowns)
-                .map(|k| factor[i * unknowns + k] * factor[j * unknowns + k])
-                .sum()
-        };
-        let compliance: Vec<f64> = (0..unknowns * unknowns)
-            .map(|k| entry(k / unknowns, k % unknowns))
-            .collect();
-        let mut delassus = Delassus::new(24, 5, unknowns, unknowns);
-        for round in 0..3 {
-            delassus.clear();
-            // Coordinates are unknowns counted from the back; some rows have two sides here, some
-            // none.
-            let mut dense: Vec<(usize, f64, Vec<f64>)> = Vec::new();
-            for row in 0..12 {
-                for side in 0..(row + round) % 3 {
-                    let sign = if side == 0 { -1.0 } else { 1.0 };
-                    let weights: Vec<(usize, f64)> = (0..1 + row % 5)
-                        .map(|k| {
-                            (
-                                (7 * row + 3 * k + 11 * side + 13 * round) % unknowns,
-                                random(),
-                            )
-                        })
-                        .collect();
-                    let mut whole = vec![0.0; unknowns];
-                    weights
-                        .iter()
-                        .for_each(|&(unknown, weight)| whole[unknown] += weight);
-                    delassus.add(
-                        row,
-                        sign,
-                        weights
-                            .iter()
-                            .map(|&(u, weight)| (u, unknowns - 1 - u, weight)),
-                    );
-                    dense.push((row, sign, whole));
-                }
+    struct Dense {
+        places: usize,
+        blocks: Vec<[f32; 9]>,
+        frames: Vec<Frame>,
+    }
+
+    impl Dense {
+        /// F Fᵀ of a random F, so that it is symmetric, between random frames.
+        fn new(places: usize, random: &mut Random) -> Self {
+            let size = 3 * places;
+            let factor: Vec<f64> = (0..size * size).map(|_| random.unit()).collect();
+            let entry = |i: usize, j: usize| -> f32 {
+                let products = (0..size).map(|k| factor[i * size + k] * factor[j * size + k]);
+                products.sum::<f64>() as f32
+            };
+            let block = |b: usize, a: usize| {
+                std::array::from_fn(|k| entry(3 * a + k % 3, 3 * b + k / 3))
+            };
+            let column = |b: usize| (0..places).map(move |a| (b, a));
+            let frame = |_| {
+                let turn = rotation_by(&random.vector()).to_rotation_matrix();
+                std::array::from_fn(|r| std::array::from_fn(|c| turn[(r, c)]))
+            };
+            Self {
+                places,
+                blocks: (0..places).flat_map(column).map(|(b, a)| block(b, a)).collect(),
+                frames: (0..places).map(frame).collect(),
             }
-            delassus.respond(|coordinate| {
-                let unknown = unknowns - 1 - coordinate;
-                Some(&compliance[unknown * unknowns..(unknown + 1) * unknowns])
-            });
-            let mut seen = 0;
-            let mut pairs = (0..dense.len()).flat_map(|s| (s..dense.len()).map(move |t| (s, t)));
-            delassus.each_pair(|pair| {
-                let (s, t) = pairs.next().unwrap();
-                let ((row_a, sign_a, a), (row_b, sign_b, b)) = (&dense[s], &dense[t]);
-                let mut expected = 0.0;
-                for i in 0..unknowns {
-                    for j in 0..unknowns {
-                        expected += sign_a * a[i] * compliance[i * unknowns + j] * b[j] * sign_b;
+        }
+
+        /// R_a C_ab R_bᵀ.
+        fn world(&self, a: usize, b: usize) -> Matrix3 {
+            let turn = |k: usize| Matrix3::from_fn(|r, c| self.frames[k][r][c]);
+            let block = &self.blocks[b * self.places + a];
+            let block = Matrix3::from_fn(|r, c| f64::from(block[3 * c + r]));
+            turn(a) * block * turn(b).transpose()
+        }
+    }
+
+    impl Compliance for Dense {
+        fn column(&self, place: usize) -> &[[f32; 9]] {
+            &self.blocks[place * self.places..(place + 1) * self.places]
+        }
+        fn frame(&self, place: usize) -> &Frame {
+            &self.frames[place]
+        }
+    }
+
+    type DenseSide = (usize, f64, Vec<(usize, f64)>);
+
+    fn sides(delassus: &mut Delassus, count: usize, places: usize, random: &mut Random) -> Vec<DenseSide> {
+        delassus.clear();
+        let mut all: Vec<DenseSide> = Vec::new();
+        for row in 0..count {
+            for side in 0..row % 3 {
+                let sign = if side == 0 { -1.0 } else { 1.0 };
+                let place = |k: usize| (7 * row + 3 * k + 11 * side) % places;
+                let weights: Vec<_> = (0..1 + row % 5).map(|k| (place(k), random.unit())).collect();
+                delassus.add(row, sign, weights.iter().copied());
+                all.push((row, sign, weights));
+            }
+        }
+        delassus.sort();
+        all
+    }
+
+    // Against the product of dense matrices, also in more than one batch.
+    #[test]
+    fn pairs_and_loads_are_those_of_the_dense_product() {
+        let mut random = Random(3);
+        let (places, normal) = (13, |row: usize| Vector3::new(1.0, 0.1 * row as f64, -0.5));
+        let dense = Dense::new(places, &mut random);
+        let mut delassus = Delassus::new(300, 5, places);
+        for count in [12, 200, 3] {
+            let all = sides(&mut delassus, count, places, &mut random);
+            for smooth in [true, false] {
+                let (of_row, mut seen) = (&normal as &dyn Fn(usize) -> Vector3, 0);
+                let mut pairs = (0..all.len()).flat_map(|s| (0..=s).map(move |t| (s, t)));
+                delassus.each_pair(&dense, smooth.then_some(of_row), |pair| {
+                    let (s, t) = pairs.next().unwrap();
+                    let (pushed, moved) = (&all[s], &all[t]);
+                    let mut expected = Matrix3::zeros();
+                    for &(a, u) in &moved.2 {
+                        for &(b, w) in &pushed.2 {
+                            expected += dense.world(a, b) * (u * w * moved.1 * pushed.1);
+                        }
+                    }
+                    assert_eq!((pair.rows, pair.same), ([moved.0, pushed.0], s == t));
+                    let ways = match smooth {
+                        true => vec![normal(pushed.0)],
+                        false => vec![Vector3::x(), Vector3::y(), Vector3::z()],
+                    };
+                    for (way, found) in ways.iter().zip(pair.moved) {
+                        assert!((found - expected * way).norm() < 1e-10, "{found}");
+                    }
+                    seen += 1;
+                });
+                assert_eq!(seen, all.len() * (all.len() + 1) / 2);
+            }
+            let loads: Vec<(usize, Vector3)> = (0..4).map(|k| (3 * k, random.vector())).collect();
+            let mut each = all.iter();
+            delassus.each_moved(&dense, loads.iter().copied(), |row, found| {
+                let (expected_row, sign, weights) = each.next().unwrap();
+                let mut expected = Vector3::zeros();
+                for &(a, u) in weights {
+                    for (b, force) in &loads {
+                        expected += dense.world(a, *b) * force * (u * sign);
                     }
                 }
-                assert_eq!((pair.rows, pair.same), ([*row_a, *row_b], s == t));
-                assert!(
-                    (pair.compliance - expected).abs() < 1e-12,
-                    "{} is not {expected}",
-                    pair.compliance
-                );
-                seen += 1;
+                assert!(row == *expected_row && (found - expected).norm() < 1e-10);
             });
-            assert_eq!(seen, dense.len() * (dense.len() + 1) / 2);
         }
     }
 
@@ -321,15 +495,26 @@ mod tests {
         if !std::arch::is_x86_feature_detected!("avx2") {
             return;
         }
-        let x: Vec<Lane> = (0..9)
-            .map(|k| [0.1 * f64::from(k), 1.0 / 3.0, -7.7, 1e-30])
+        let mut random = Random(5);
+        let dense = Dense::new(9, &mut random);
+        let concerned: Vec<Concerned> = (0..9)
+            .map(|place| Concerned { place, start: 0 })
             .collect();
-        let (mut slow, mut fast) = (x.clone(), x.clone());
-        add_scaled_lanes(&mut slow, &x, 0.37);
+        let directions: Vec<Lane> = (0..6)
+            .map(|_| [random.unit(), random.unit(), random.unit(), 0.0])
+            .collect();
+        let batch = Batch {
+            entries: &[(0, 0), (1, 1)],
+            first: 0,
+            concerned: &concerned,
+            directions: &directions,
+        };
+        let (mut slow, mut fast) = (vec![[0.1; 4]; 54], vec![[0.1; 4]; 54]);
+        batch.add_in::<Baseline, 3>(dense.column(4), &mut slow);
         // SAFETY: asked just above.
         #[allow(unsafe_code)]
         unsafe {
-            add_scaled_wide(&mut fast, &x, 0.37);
+            add_wide::<3>(&batch, dense.column(4), &mut fast);
         }
         assert_eq!(slow, fast);
     }

@@ -55,6 +55,8 @@ pub struct Row {
     /// How far free motion of both takes the holder past the body, m; a grip: from one point to the
     /// other.
     pub slip: Vector3,
+    /// Of free motion with the contact forces of the last tick, what these make, m; gap and slip are without.
+    pub forced: Vector3,
     /// What the row does.
     pub law: FrictionLaw,
     /// Point on the body's surface now, m.
@@ -88,6 +90,13 @@ impl Row {
             Holder::Tool(tool) => Some(tool as usize),
             Holder::Body(_) => None,
         }
+    }
+
+    /// Takes what forces move of the holder past the body from the row's free motion, m.
+    pub fn take_back(&mut self, moved: &Vector3) {
+        self.forced += moved;
+        self.slip -= moved;
+        self.gap_m -= moved.dot(&self.normal);
     }
 
     /// Its sides on a body: the sign with which the normal pushes that body, and the weights.

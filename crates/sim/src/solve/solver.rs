@@ -10,8 +10,6 @@ use super::rows::Row;
 use super::sharing::Share;
 use palpate_geometry::math::Vector3;
 
-/// Rows up to which soft modes are added to the matrix.
-pub const MANY_ROWS: usize = 256;
 /// Turns of a free body.
 pub const TURNS: usize = 3;
 
@@ -32,10 +30,6 @@ pub struct Solver {
     pub barriers: Vec<Barrier>,
     /// Of one body after the other.
     pub delassus: Delassus,
-    /// How each soft mode of one body moves one row.
-    pub mode_moves: Vec<Vector3>,
-    /// (rows × modes of one body), along the rows' normals.
-    pub modes_along: Vec<f64>,
     /// By pair: a ball that touches a solid.
     pub touches: Vec<Touch>,
     /// By pair: how far it goes in beyond what the solid's net shows.
@@ -53,6 +47,14 @@ impl Solver {
         match self.is_whole() {
             true => self.friction.force_n(i),
             false => row.normal * self.problem.forces()[i],
+        }
+    }
+
+    /// Replaces the force of a row on its holder, N.
+    pub fn set_force_n(&mut self, i: usize, row: &Row, force_n: &Vector3) {
+        self.problem.set_force(i, force_n.dot(&row.normal));
+        if self.is_whole() {
+            self.friction.set_force(i, force_n);
         }
     }
 

@@ -36,11 +36,6 @@ impl Scratch {
     pub fn row_count(&self) -> usize {
         self.rows.rows.len()
     }
-
-    /// Cells of a body that the last pass held back, because their tangent exceeded what the step follows.
-    pub fn limited_cells(&self, scene: &Scene, body: usize) -> u32 {
-        scene.party(body).limited_cells(&self.bodies[body])
-    }
 }
 
 impl SceneState {

@@ -15,13 +15,13 @@
 use crate::contact::warm::{Warm, WarmRow};
 use crate::contact::{dent, stick};
 use crate::party::{BodyScratch, BodyState, Party as _, Problem, ToolScratch, ToolState};
-use crate::scene::{Body, Scene};
+use crate::scene::Scene;
 use crate::solve::cones::{self, ConeShare};
 use crate::solve::friction::{FrictionLaw, Lever};
 use crate::solve::hold::{Barrier, hold};
 use crate::solve::rows::{Row, RowSet};
 use crate::solve::sharing::{Share, share};
-use crate::solve::solver::{MANY_ROWS, Solver};
+use crate::solve::solver::Solver;
 use crate::tick::quality;
 use palpate_geometry::math::Vector3;
 
@@ -101,13 +101,10 @@ impl Balance<'_> {
         }
     }
 
-    /// Some force has three components, or there are so many rows on bodies with soft modes that these
-    /// are better kept apart than added to the matrix.
+    /// Some force has three components.
     fn is_whole(&self) -> bool {
-        let scene = self.scene;
         let rows = &self.rows.rows;
         rows.iter().any(|row| row.law != FrictionLaw::SMOOTH)
-            || (rows.len() > MANY_ROWS && scene.bodies.iter().any(Body::has_soft_modes))
     }
 
     /// How often a solve goes over its rows. They start with the forces of the last tick: under lower

@@ -6,6 +6,7 @@
 //! ```
 
 mod admit;
+mod arrive;
 mod audit;
 pub(crate) mod balance;
 mod by_tool;

@@ -10,10 +10,9 @@ use crate::solve::delassus::Delassus;
 use crate::solve::friction::FrictionProblem;
 use crate::solve::indentation::{Indentation, Touch};
 use crate::solve::rows::{MAX_ROWS_PER_PAIR, RowSet, SampleInTouch};
-use crate::solve::solver::{MANY_ROWS, Solver, TURNS};
+use crate::solve::solver::{Solver, TURNS};
 use palpate_geometry::contact::dispatch::Narrow;
 use palpate_geometry::contact::spheres::Counters;
-use palpate_geometry::math::Vector3;
 use palpate_geometry::surface::{ClosestSolver, Surface};
 
 /// Buffers of a step; nothing in it outlives a tick except what can be computed anew from the
@@ -32,6 +31,8 @@ pub struct Scratch {
     /// Samples of one pair in touch.
     pub(super) hits: Vec<SampleInTouch>,
     pub(super) solver: Solver,
+    /// By body: the share of its motion that was taken.
+    pub(super) shares: Vec<f64>,
     /// By body: its step does less than the scene asks for.
     pub(super) degraded: Vec<bool>,
     /// Where bodies that take several ticks step; without it they step in the tick in which they
@@ -88,11 +89,6 @@ impl Scene {
             .map(|body| width_of(&body.surface))
             .max()
             .unwrap_or(1);
-        let deformables = || (0..self.body_count()).filter_map(|body| self.deformable(body));
-        let unknowns = deformables()
-            .map(|deformable| deformable.unknown_count())
-            .max()
-            .unwrap_or(0);
         let surface = self
             .bodies
             .iter()
@@ -100,13 +96,10 @@ impl Scene {
             .max()
             .unwrap_or(0);
         let frictional = self.pairs.iter().any(|pair| pair.friction.is_some());
-        let modes = deformables().map(|body| body.mode_count());
-        let (soft_modes, most_modes) = modes.fold((0, 0), |(sum, most), m| (sum + m, most.max(m)));
-        let many = soft_modes > 0 && most_rows > MANY_ROWS;
         let free = (0..self.body_count()).filter(|&body| self.is_free(body));
         let turns = TURNS * free.count();
         let grips = self.tools.iter().any(|tool| tool.grip_n > 0.0);
-        let frictional_rows = if frictional || grips || many {
+        let frictional_rows = if frictional || grips {
             most_rows
         } else {
             0
@@ -124,19 +117,18 @@ impl Scene {
                 friction: FrictionProblem::new(
                     frictional_rows,
                     self.tools.len(),
-                    soft_modes + turns + self.pairs.len(),
-                    2 * most_modes.max(turns.min(TURNS)) + 1,
+                    turns + self.pairs.len(),
+                    2 * turns.min(TURNS) + 1,
                 ),
                 sticks: Vec::with_capacity(frictional_rows),
                 cones: Vec::with_capacity(frictional_rows),
                 shares: Vec::with_capacity(most_rows),
                 barriers: Vec::with_capacity(most_rows),
-                delassus: Delassus::new(2 * most_rows, width, unknowns, surface),
-                mode_moves: vec![Vector3::zeros(); most_modes],
-                modes_along: vec![0.0; most_rows.min(MANY_ROWS) * most_modes],
+                delassus: Delassus::new(2 * most_rows, width, surface),
                 touches: vec![Touch::default(); self.pairs.len()],
                 indentations: vec![Indentation::default(); self.pairs.len()],
             },
+            shares: vec![1.0; self.bodies.len()],
             degraded: vec![false; self.bodies.len()],
             pipeline: None,
             start: self.initial_state(),

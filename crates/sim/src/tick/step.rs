@@ -1,7 +1,7 @@
 //! One tick: pure, no clock, no I/O, no allocation, no lock, no error.
 
 use super::record::{Command, TickInput, TickOutput};
-use super::{RunState, SceneState, Scratch, admit, flags, invariants, iterate, motion, quality};
+use super::{RunState, SceneState, Scratch, admit, arrive, flags, invariants, iterate, motion, quality};
 use crate::contact::{PairState, Search, find, grip, near};
 use crate::party::{Around, Party as _};
 use crate::report::explain::{self, Explanation};
@@ -114,6 +114,9 @@ pub fn render(
     let Scratch { rows, solver, .. } = &*scratch;
     admit::release(scene, &mut state.tools, &rows.rows, solver, wanted, output);
     iterate::iterate(&mut balance(scene, state, scratch));
+    let mut shares = std::mem::take(&mut scratch.shares);
+    arrive::arrive(&mut balance(scene, state, scratch), &mut shares);
+    scratch.shares = shares;
     report(scene, state, scratch, output);
     if cfg!(debug_assertions) {
         invariants::of_output(scene, &state.tools, &scratch.tools, &state.warm, output);
@@ -183,6 +186,9 @@ fn contacts(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, moving
         hits,
         touches: &mut solver.touches,
     });
+    for (b, body) in scene.parties().enumerate() {
+        body.take_back(&parts[b], rows, solver);
+    }
 }
 
 /// Forces for the hands, and on the bodies.
@@ -199,7 +205,7 @@ fn report(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, output: 
     let SceneState { tools, warm, .. } = state;
     outputs::write(scene, tools, tool_parts, rows, solver, rest, output);
     degraded::mark(scene, bodies, &rows.rows, solver, degraded, output);
-    outputs::load_bodies(scene, warm, tool_parts, bodies, rows, solver, rest);
+    outputs::remember(scene, warm, bodies, rows, solver, rest);
 }
 
 fn balance<'a>(scene: &'a Scene, state: &'a SceneState, scratch: &'a mut Scratch) -> Balance<'a> {

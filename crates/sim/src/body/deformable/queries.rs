@@ -9,9 +9,6 @@ use crate::body::settings::FallBack;
 use crate::body::state::{DeformableScratch, DeformableState};
 use palpate_geometry::math::{Lane, Matrix3, Point3, Vector3};
 
-/// Beyond any strain of a state that means something.
-const FAR: f64 = 1e6;
-
 impl Deformable {
     /// Forces of the law on the coordinates at a state, N (x, y, z, 0).
     pub fn internal_forces<'a>(
@@ -25,20 +22,8 @@ impl Deformable {
         &scratch.residual
     }
 
-    /// The same with no cell held back: for offline solvers, which need no matrix to follow.
-    pub fn exact_forces<'a>(
-        &self,
-        state: &DeformableState,
-        scratch: &'a mut DeformableScratch,
-    ) -> &'a [Lane] {
-        let farther = std::mem::replace(&mut scratch.farther, FAR);
-        self.internal_forces(state, scratch);
-        scratch.farther = farther;
-        &scratch.residual
-    }
-
     /// What a step from one state to the other leaves of its own equation, backward Euler, N by coordinate:
-    /// forces of field, law and contact less M (z − y)/dt², no cell held back; zero of fixed coordinates.
+    /// forces of field, law and contact less M (z − y)/dt²; zero of fixed coordinates.
     /// `None` where the step slept or has no such equation.
     pub fn residual(
         &self,
@@ -63,7 +48,7 @@ impl Deformable {
         scratch.reached.copy_from_slice(&after.positions);
         let forces = self.matter.surface.iter().zip(&after.contact_n);
         scratch.carried = forces.map(|(&c, &force)| (c, force)).collect();
-        scratch.farther = FAR;
+        scratch.implicit.pressures.copy_from_slice(&after.pressures);
         implicit.weigh(&self.matter, before, &mut scratch);
         let left = scratch.residual.iter().enumerate();
         let left = left.map(|(c, lane)| match self.unknown(c) {
@@ -83,12 +68,13 @@ impl Deformable {
         if scratch.at_rest {
             return None;
         }
-        let matrix = match &self.stepper {
+        if scratch.shortened {
+            return Some(FallBack::Shortened);
+        }
+        match &self.stepper {
             Stepper::Implicit(implicit) => implicit.fall_back(&scratch.implicit),
             Stepper::Explicit(_) | Stepper::Xpbd(_) => None,
-        };
-        let held = scratch.limited;
-        matrix.or((held > 0).then_some(FallBack::CellsHeld(held)))
+        }
     }
 
     /// Kinetic plus elastic energy, J.
@@ -184,11 +170,6 @@ impl Deformable {
             .map_or(0, |continuum| continuum.cell_count())
     }
 
-    /// Cells that the last pass held back, as their tangent passed what the step can follow.
-    pub fn limited(&self, scratch: &DeformableScratch) -> u32 {
-        scratch.limited
-    }
-
     /// Number of springs.
     pub fn spring_count(&self) -> usize {
         self.matter.law.springs.len()
@@ -197,7 +178,7 @@ impl Deformable {
     /// Non-zeros of the factor; 0 for methods without one.
     pub fn factor_non_zeros(&self) -> usize {
         match &self.stepper {
-            Stepper::Implicit(implicit) => implicit.factor_non_zeros(),
+            Stepper::Implicit(implicit) => implicit.factor().non_zeros(),
             Stepper::Explicit(_) | Stepper::Xpbd(_) => 0,
         }
     }
@@ -205,7 +186,7 @@ impl Deformable {
     /// Bits of most numbers of the factor; 0 for methods without one.
     pub fn factor_bits(&self) -> u32 {
         match &self.stepper {
-            Stepper::Implicit(implicit) => implicit.factor_bits(),
+            Stepper::Implicit(implicit) => implicit.factor().bits(),
             Stepper::Explicit(_) | Stepper::Xpbd(_) => 0,
         }
     }
@@ -285,10 +266,12 @@ impl Deformable {
         }
     }
 
-    /// Bytes of the compliance columns.
+    /// Bytes of what answers contact.
     pub fn compliance_bytes(&self) -> usize {
-        let columns = self.compliance.response.columns.iter();
-        columns.map(Vec::len).sum::<usize>() * size_of::<f64>()
+        match &self.stepper {
+            Stepper::Implicit(implicit) => implicit.surface_bytes(),
+            Stepper::Explicit(_) | Stepper::Xpbd(_) => self.by_trial.bytes(),
+        }
     }
 
     /// Quality of the cells.

@@ -10,7 +10,7 @@
 //! off as a first derivative: v − p (x₊ − x₋) − q (x_r − x_l), with the neighbours left and right of
 //! the row. Around a flat pole that makes w′/r of the deflection w, the curvature around.
 
-use super::{Edge, ForceLaw, Weight};
+use super::{Edge, ForceLaw, Place};
 use crate::body::sheet::Row;
 use palpate_geometry::math::{Lane, Matrix3, Point3, Vector3};
 
@@ -143,21 +143,20 @@ impl Bend {
 }
 
 impl ForceLaw for Vec<Bend> {
-    fn add_forces(&self, places: &[Lane], residual: &mut [Lane], _: f64) -> u32 {
+    fn add_forces(&self, places: &[Lane], residual: &mut [Lane]) {
         self.iter()
             .for_each(|bend| bend.add_force(places, residual));
-        0
     }
 
     fn energy_j(&self, places: &[Lane]) -> f64 {
         self.iter().map(|bend| bend.energy_j(places)).sum()
     }
 
-    fn edges(&self, _: Weight) -> Vec<Edge> {
+    fn edges(&self) -> Vec<Edge> {
         self.iter().flat_map(Bend::edges).collect()
     }
 
-    fn tangent_at_rest(&self, _: f64, out: &mut dyn FnMut(u32, u32, Matrix3)) {
+    fn tangent_at(&self, _: &Place<'_>, out: &mut dyn FnMut(u32, u32, Matrix3)) {
         self.iter().for_each(|bend| bend.tangent(out));
     }
 

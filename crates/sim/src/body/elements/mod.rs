@@ -9,7 +9,7 @@ pub(super) mod springs;
 
 use super::material::Stiffening;
 pub use bends::Bend;
-use continuum::{ContinuumLaw, VolumeBarrier};
+use continuum::{ContinuumLaw, Given, VolumeBarrier};
 use palpate_geometry::math::{Lane, Matrix3, Point3, Vector3};
 use spring_table::{ByCoordinate, SpringTable};
 use springs::Spring;
@@ -18,36 +18,42 @@ use std::fmt::Debug;
 /// An edge (a, b, k) of a Laplacian Σ k (e_a − e_b)(e_a − e_b)ᵀ, N/m.
 pub type Edge = (u32, u32, f64);
 
-/// What a Laplacian is used for.
+/// What a Laplacian of springs is used for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Weight {
-    /// At least 3/4 of any tangent that is not held back: a step that starts from the inertial prediction is
-    /// stable with it.
+    /// At least 3/4 of any tangent: a step that starts from the inertial prediction is stable with it.
     Bounding,
     /// Firm against turning: bounds the stresses of a strained solid.
     Firm,
-    /// Gives way under a force on a small part of the surface as the body does, κ = μ / (1 − ν): a half-space of
-    /// conductivity κ and an elastic half-space (Boussinesq) are displaced alike below the force.
-    Response,
     /// No less than any tangent: what explicit steps must resolve.
     Steepest,
 }
 
+/// A state of a law at which it has a tangent.
+#[derive(Clone, Copy)]
+pub(crate) struct Place<'a> {
+    /// Of the nodes, m, the fourth number ignored.
+    pub places: &'a [Lane],
+    /// As `rest` of [`MaterialLaw::add_forces`].
+    pub metrics: &'a [Lane],
+    /// Where pressures are unknowns, Pa; empty: none presses.
+    pub pressures: &'a [Lane],
+}
+
 /// A law of matter beside springs. Places are those of nodes, m, the fourth number ignored.
 pub(crate) trait ForceLaw: Debug + Send + Sync {
-    /// Adds −∂E/∂x, N; `farther`: how much farther than the bounding matrix the step follows cells. Answers with the
-    /// number of cells that were held back.
-    fn add_forces(&self, places: &[Lane], residual: &mut [Lane], farther: f64) -> u32;
+    /// Adds −∂E/∂x, N.
+    fn add_forces(&self, places: &[Lane], residual: &mut [Lane]);
 
     /// Elastic energy, J.
     fn energy_j(&self, places: &[Lane]) -> f64;
 
-    /// Its part of a Laplacian.
-    fn edges(&self, of: Weight) -> Vec<Edge>;
+    /// Its part of a Laplacian above the tangent.
+    fn edges(&self) -> Vec<Edge>;
 
-    /// Hands out blocks (a, b, ∂²E/∂x_a∂x_b), N/m, at rest, a >= b or its mirror, each pair of nodes once or in
-    /// parts.
-    fn tangent_at_rest(&self, strain: f64, out: &mut dyn FnMut(u32, u32, Matrix3));
+    /// Hands out blocks (a, b, ∂²E/∂x_a∂x_b), N/m, without what is negative, a >= b or its mirror, each pair of nodes
+    /// once or in parts.
+    fn tangent_at(&self, at: &Place<'_>, out: &mut dyn FnMut(u32, u32, Matrix3));
 
     /// It resists bending alone, as sheets do: out of plane they are as stiff as they are drawn.
     fn is_of_sheets(&self) -> bool {
@@ -59,10 +65,6 @@ pub(crate) trait ForceLaw: Debug + Send + Sync {
         false
     }
 }
-
-/// How much stiffer than at rest the springs of the step's tangent are; the support of their cells is
-/// added to them.
-const SPRING_MARGIN: f64 = 1.0;
 
 /// Springs, bends for membranes, or a continuum energy.
 #[derive(Debug, Default)]
@@ -129,13 +131,11 @@ impl MaterialLaw {
         let scale = match of {
             Weight::Bounding => (0.76 * self.slope).max(1.0),
             Weight::Firm => 0.5 * self.slope,
-            // Springs that make a solid of modulus E with ν = 1/4 have a Laplacian of 2 E.
-            Weight::Response => 4.0 / 15.0,
             Weight::Steepest => self.slope,
         };
         let springs = self.spring_edges(scale);
         springs
-            .chain(self.laws().flat_map(|law| law.edges(of)))
+            .chain(self.laws().flat_map(|law| law.edges()))
             .collect()
     }
 
@@ -144,41 +144,28 @@ impl MaterialLaw {
         each.map(move |(_, _, a, b, k)| (a as u32, b as u32, k * scale))
     }
 
-    /// Hands out blocks (a, b, ∂²E/∂x_a∂x_b), N/m, at rest, a >= b or its mirror, each pair of nodes
-    /// once or in parts; a little more than the law's own, so that strained states stay below 4/3 of
-    /// it. `places`: (nodes) at rest.
-    pub(in crate::body) fn tangent_at_rest(
+    /// Hands out blocks (a, b, ∂²E/∂x_a∂x_b), N/m, a >= b or its mirror, each pair of nodes once or in parts; without
+    /// what is negative.
+    pub(in crate::body) fn tangent_at(
         &self,
-        places: &[Lane],
-        strain: f64,
+        at: &Place<'_>,
         out: &mut impl FnMut(u32, u32, Matrix3),
     ) {
-        let at = |k: usize| Vector3::new(places[k][0], places[k][1], places[k][2]);
-        let scale = SPRING_MARGIN * (0.76 * self.slope).max(1.0);
-        for (_, _, a, b, k) in self.springs.each() {
-            let Some(way) = (at(b) - at(a)).try_normalize(0.0) else {
-                continue;
-            };
-            let block = way * way.transpose() * (k * scale);
-            out(a as u32, a as u32, block);
-            out(b as u32, b as u32, block);
-            out(a as u32, b as u32, -block);
-        }
-        match &self.continuum {
-            // Of flat cells.
-            Some(law) if !self.others.is_empty() => law.tangent_at_centres(strain, out),
-            Some(law) => law.tangent_at_rest(strain, out),
-            None => (),
-        }
-        for law in &self.others {
-            law.tangent_at_rest(strain, out);
+        let margin = (0.76 * self.slope).max(1.0);
+        self.springs.tangent_at(at, margin, out);
+        for law in self.laws() {
+            law.tangent_at(at, out);
         }
     }
 
     /// Hands out what cells that share a pressure add to that tangent: k g gᵀ, g by node (m²) and k in N/m⁵.
-    pub(in crate::body) fn shared_at_rest(&self, out: &mut impl FnMut(&[(u32, Vector3)], f64)) {
+    pub(in crate::body) fn shared_at(
+        &self,
+        places: &[Lane],
+        out: &mut impl FnMut(&[(u32, Vector3)], f64),
+    ) {
         if let Some(law) = &self.continuum {
-            law.shared_at_rest(out);
+            law.shared_at(places, out);
         }
     }
 
@@ -207,27 +194,29 @@ impl MaterialLaw {
         self.slope == 1.0 && self.laws().all(|law| law.is_safeguard())
     }
 
-    /// Adds −∂E/∂x, N. `rest`: lengths of the springs without force, or metrics of cells that flow; `farther`: how much farther than
-    /// the bounding matrix the step follows cells. Answers with the number of
-    /// cells that were held back.
+    /// Adds −∂E/∂x, N. `rest`: lengths of the springs without force, or metrics of cells that flow; `given`: pressures
+    /// instead of those that follow the volumes.
     pub(in crate::body) fn add_forces(
         &self,
         rest: &[Lane],
+        given: Option<Given<'_>>,
         places: &[Lane],
         residual: &mut [Lane],
         buffers: &mut ByCoordinate,
-        farther: f64,
-    ) -> u32 {
+    ) {
         debug_assert_eq!(places.len(), residual.len(), "one place and force a node");
         self.springs.add_forces(rest, places, residual, buffers);
-        let mut held = 0;
         for law in &self.others {
-            held += law.add_forces(places, residual, farther);
+            law.add_forces(places, residual);
         }
         if let Some(continuum) = &self.continuum {
-            held += (continuum.add_forces_reaching(rest, places, residual, farther)).limited;
+            continuum.add_forces_of(rest, given, places, residual);
         }
-        held
+    }
+
+    /// Lanes of pressures that are unknowns; none without a continuum.
+    pub(in crate::body) fn pressure_lanes(&self) -> usize {
+        self.continuum.as_ref().map_or(0, ContinuumLaw::pressure_lanes)
     }
 
     /// Elastic energy, J.

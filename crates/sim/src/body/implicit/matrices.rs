@@ -1,101 +1,139 @@
 //! The matrices of a step and their factors, at build.
 
-use super::{TAUT, Tangent, WATCHED, WATCHED_OF_SHEETS, WILD_LENGTH};
-use crate::body::elements::Weight;
-use crate::body::frames::Frames;
-use crate::body::matter::Matter;
-use crate::body::neighbours::{middle, shortest_edges};
+use super::{Kind, TAUT};
+use crate::body::core::{Core, Factor, SurfaceBlocks};
+use crate::body::elements::{Place, Weight};
+use crate::body::matter::{Matter, lanes_of};
 use crate::body::scalar_factor::ScalarFactor;
 use crate::body::settings::DeformableError;
 use crate::body::tangent;
-use palpate_geometry::math::{BlockCholesky, BlockTriplets, Point3, SymmetricTriplets};
+use palpate_geometry::math::{
+    BlockCholesky, BlockTriplets, Lane, Point3, SymmetricTriplets,
+};
 
 /// Most stiffness over inertia for which a factor in single precision is good.
 const MOST_STIFF: f64 = 1e5;
 
 /// Where the unknowns are at rest.
-pub(super) fn places(matter: &Matter) -> Vec<Point3> {
+fn places(matter: &Matter) -> Vec<Point3> {
     let unknowns = matter.coordinate_of_unknown.iter();
     unknowns.map(|&c| matter.rest[c as usize]).collect()
 }
 
-/// The factor above every tangent.
-pub(super) fn bounding(matter: &Matter) -> Result<ScalarFactor, DeformableError> {
+/// The core above every tangent.
+pub(super) fn bounding(matter: &Matter) -> Result<Core, DeformableError> {
     let matrix = scalar_matrix(matter, &matter.law.edges(Weight::Bounding));
-    Ok(ScalarFactor::new(&matrix, &places(matter))?)
+    let mut factor = Factor::Scalar(ScalarFactor::new(&matrix, &places(matter))?);
+    let mut work = Factor::work(std::iter::once(&factor), matter.unknown_count());
+    let surface = SurfaceBlocks::new(matter, |rows| factor.solve(rows, &mut work));
+    let mut stiffest = vec![0.0; matter.unknown_count()];
+    for (i, j, value) in &matrix.entries {
+        if i == j {
+            stiffest[*i as usize] += value;
+        }
+    }
+    if let Factor::Scalar(factor) = &mut factor
+        && !is_too_stiff(matter, &stiffest)
+    {
+        factor.round();
+    }
+    Ok(Core {
+        factor,
+        growth: Vec::new(),
+        made_in: Vec::new(),
+        surface,
+    })
 }
 
 /// True where rounding of the stiffest rows to single precision would disturb the motion of all;
 /// `diagonal` is that of the matrix, N/m.
-pub(super) fn is_too_stiff(matter: &Matter, diagonal: &[f64]) -> bool {
+fn is_too_stiff(matter: &Matter, diagonal: &[f64]) -> bool {
     let dt = matter.settings.dt_s;
     let mean_kg = matter.masses.iter().sum::<f64>() / matter.masses.len() as f64;
     let stiffness = diagonal.iter().copied().fold(0.0, f64::max) * dt * dt / mean_kg;
     stiffness.is_nan() || stiffness > MOST_STIFF
 }
 
-/// The tangent of rest with its factor, if it has one of at most so many numbers that single precision
-/// can hold.
-pub(super) fn tangent_of(matter: &Matter, most: usize) -> Option<Tangent> {
-    let (matrices, short) = match matter.law.is_solid() {
-        true => of_solid(matter),
-        false => (of_sheet(matter), Vec::new()),
+/// The cores of the tangent of rest, if it has a factor of at most so many numbers that single precision can hold; and
+/// the Laplacian of what short edges of a lattice carry beyond others.
+pub(super) fn tangents(
+    matter: &Matter,
+    kind: Kind,
+    most: usize,
+) -> Option<(Vec<Core>, Vec<(u32, u32, f64)>)> {
+    let nodes = lanes_of(&matter.map.nodes(&matter.rest));
+    let rest = Place {
+        places: &nodes,
+        metrics: &[],
+        pressures: &[],
     };
-    let matrix = matrices.first()?;
-    let mut stiffest = vec![0.0; matrix.n];
-    for (i, j, block) in &matrix.entries {
+    let plain = tangent::at(matter, &rest);
+    let (matrices, short) = match kind {
+        Kind::Continuum => (vec![plain], Vec::new()),
+        Kind::Lattice => of_lattice(matter, &plain),
+        Kind::Sheet => (of_sheet(matter, &plain), Vec::new()),
+    };
+    let mut stiffest = vec![0.0; matter.unknown_count()];
+    for (i, j, block) in &matrices[0].entries {
         if i == j {
             stiffest[*i as usize] += block.trace() / 3.0;
         }
     }
-    if is_too_stiff(matter, &stiffest) {
+    if is_too_stiff(matter, &stiffest) && kind != Kind::Continuum {
         return None;
     }
-    let places = places(matter);
-    let mut factors = vec![BlockCholesky::placed(matrix, &places, most).ok()??];
-    for matrix in &matrices[1..] {
-        factors.push(BlockCholesky::placed(matrix, &places, usize::MAX).ok()??);
+    let mut cores = Vec::new();
+    for matrix in &matrices {
+        let most = if cores.is_empty() { most } else { usize::MAX };
+        cores.push(core(matter, matrix, &nodes, most)?);
     }
-    let edges = shortest_edges(matter);
-    let wild_m = WILD_LENGTH * middle(&edges);
-    let least = match matter.law.is_solid() {
-        true => WATCHED,
-        false => WATCHED_OF_SHEETS,
-    };
-    let watched = |&c: &u32| least.map(|share| share * edges[c as usize]);
-    Some(Tangent {
-        factors,
-        sheet: !matter.law.is_solid(),
-        frames: Frames::new(matter),
-        bounding: bounding(matter).ok()?,
-        watched_m: matter.coordinate_of_unknown.iter().map(watched).collect(),
-        wild_m,
-        short,
+    Some((cores, short))
+}
+
+/// The core of a matrix that was made at `places` (nodes).
+fn core(matter: &Matter, matrix: &BlockTriplets, nodes: &[Lane], most: usize) -> Option<Core> {
+    let factor = BlockCholesky::placed(matrix, &places(matter), most).ok()??;
+    let factor = Factor::Blocks(factor);
+    let mut work = Factor::work(std::iter::once(&factor), matter.unknown_count());
+    let surface = SurfaceBlocks::new(matter, |rows| factor.solve(rows, &mut work));
+    let growth = (matter.law.continuum.as_ref()).map(|law| law.growth_at(nodes));
+    Some(Core {
+        factor,
+        growth: growth.unwrap_or_default(),
+        made_in: Vec::new(),
+        surface,
     })
 }
 
 /// The tangent of rest and a firmer one, and the Laplacian of what short edges carry beyond others.
-fn of_solid(matter: &Matter) -> (Vec<BlockTriplets>, Vec<(u32, u32, f64)>) {
+fn of_lattice(
+    matter: &Matter,
+    plain: &BlockTriplets,
+) -> (Vec<BlockTriplets>, Vec<(u32, u32, f64)>) {
     let firm = tangent::firm(matter);
-    let matrices = [
-        (&firm.rest, tangent::STRAINS[0]),
-        (&firm.firmer, tangent::STRAINS[1]),
-    ]
-    .map(|(edges, strain)| tangent::at_rest(matter, &tangent::of_law(matter, strain), edges));
+    let with = |edges: &[(u32, u32, f64)]| {
+        let mut matrix = plain.clone();
+        tangent::add_edges(matter, edges, &mut matrix);
+        matrix
+    };
+    let matrices = vec![with(&firm.rest), with(&firm.firmer)];
     let mut short = SymmetricTriplets::new(matter.unknown_count());
     (matter.map).add_edges(&firm.short, |c| matter.unknown(c as usize), &mut short);
-    (matrices.into(), short.entries)
+    (matrices, short.entries)
 }
 
 /// The tangent of rest with each tension.
-fn of_sheet(matter: &Matter) -> Vec<BlockTriplets> {
-    let law = tangent::of_law(matter, 0.0);
-    let drawn = TAUT.map(|taut| tangent::at_rest(matter, &law, &matter.law.taut_edges(taut)));
+fn of_sheet(matter: &Matter, plain: &BlockTriplets) -> Vec<BlockTriplets> {
+    let drawn = TAUT.map(|taut| {
+        let mut matrix = plain.clone();
+        tangent::add_edges(matter, &matter.law.taut_edges(taut), &mut matrix);
+        matrix
+    });
     drawn.into()
 }
 
 /// M / dt² + (1 + d / dt) Wᵀ L W.
-pub(super) fn scalar_matrix(matter: &Matter, edges: &[(u32, u32, f64)]) -> SymmetricTriplets {
+fn scalar_matrix(matter: &Matter, edges: &[(u32, u32, f64)]) -> SymmetricTriplets {
     let (dt, damping_s) = (matter.settings.dt_s, matter.damping_s);
     let mut matrix = SymmetricTriplets::new(matter.unknown_count());
     for (row, &coordinate) in matter.coordinate_of_unknown.iter().enumerate() {

@@ -5,11 +5,11 @@
 //! that are not crushed have the forces of their springs alone, to the bit.
 
 use super::elastic::Elastic;
-use super::hessian::cell_tangent;
+use super::ContinuumLaw;
 use super::kernel::{self, times};
 use super::rest::RestCell;
 use crate::body::cells::Cell;
-use crate::body::elements::{Edge, ForceLaw, Weight};
+use crate::body::elements::{Edge, ForceLaw, Place};
 use palpate_geometry::math::lanes::{Baseline, Four, Lanes};
 use palpate_geometry::math::{Lane, Matrix3, Point3};
 
@@ -28,38 +28,25 @@ struct Block {
     per_volume: Four,
     /// k times the winding, Pa.
     stiffness_pa: Four,
-    /// How much of Σ |∂V|² the matrix of the step can follow, m⁴.
-    reach: Four,
 }
-
-/// How far beyond that of rest Σ |∂V|² may be, which is what the stiffness of the barrier grows with.
-const REACH: f64 = 1.5;
-
-/// Share of its volume below which a cell that is held back counts, and the share of all cells from
-/// which on they are the body's motion. A dent under a tool has some, and springs around to hold them.
-const CRUSHED: f64 = 0.2;
-const MANY: f64 = 0.05;
 
 /// The barriers of a grid of cells.
 #[derive(Clone, Debug)]
 pub struct VolumeBarrier {
     blocks: Vec<Block>,
-    rest: Vec<Point3>,
-    /// Cells and their moduli E, Pa.
-    cells: Vec<(Cell, f64)>,
+    /// What the tangent of the step gets.
+    support: ContinuumLaw,
 }
 
 impl VolumeBarrier {
     /// Of cells with these moduli E, Pa.
     pub fn new(nodes: &[Point3], cells: &[Cell], young_pa: impl Fn(usize) -> f64) -> Self {
         let mut blocks = Vec::with_capacity(cells.len().div_ceil(4));
-        let places: Vec<Lane> = nodes.iter().map(|p| [p.x, p.y, p.z, 0.0]).collect();
         for (b, four) in cells.chunks(4).enumerate() {
             let mut block = Block {
                 nodes: four[0].map(|node| [node; 4]),
                 per_volume: [1.0; 4],
                 stiffness_pa: [0.0; 4],
-                reach: [f64::MAX; 4],
             };
             for (k, cell) in four.iter().enumerate() {
                 let volume = RestCell::new(nodes, cell).volume;
@@ -72,40 +59,29 @@ impl VolumeBarrier {
                 block.per_volume[k] = 1.0 / volume;
                 block.stiffness_pa[k] = STIFFNESS * young_pa(4 * b + k) * volume.signum();
             }
-            let (growth, _) = kernel::volume(&kernel::modes::<Baseline>(&block.nodes, &places));
-            (steepness(&growth) * Baseline::splat(REACH)).store(&mut block.reach);
             blocks.push(block);
         }
-        let moduli = cells
-            .iter()
-            .enumerate()
-            .map(|(c, &cell)| (cell, young_pa(c)));
+        let support = |cell| Elastic {
+            young_pa: SUPPORT * young_pa(cell),
+            poisson: 0.25,
+        };
+        let support: Vec<Elastic> = (0..cells.len()).map(support).collect();
         Self {
-            cells: moduli.collect(),
-            rest: nodes.to_vec(),
             blocks,
+            support: ContinuumLaw::unchecked(nodes, cells, &support),
         }
     }
 
-    /// Adds −∂Ψ/∂x (N) at `places`; answers with the number of crushed cells whose pressure is held
-    /// back, which is then no gradient, where they are many.
-    pub fn add_forces(&self, places: &[Lane], residual: &mut [Lane]) -> u32 {
+    /// Adds −∂Ψ/∂x (N) at `places`.
+    pub fn add_forces(&self, places: &[Lane], residual: &mut [Lane]) {
         debug_assert_eq!(places.len(), residual.len(), "one place and force a node");
-        let held = self.add_forces_and_count(places, residual);
-        match f64::from(held) < MANY * self.cells.len() as f64 {
-            true => 0,
-            false => held,
-        }
-    }
-
-    fn add_forces_and_count(&self, places: &[Lane], residual: &mut [Lane]) -> u32 {
         #[cfg(target_arch = "x86_64")]
         if palpate_geometry::math::simd::has_avx2() {
             // SAFETY: the processor has AVX2, asked just above.
             #[allow(unsafe_code)]
             return unsafe { add_forces_wide(&self.blocks, places, residual) };
         }
-        add_forces::<Baseline>(&self.blocks, places, residual)
+        add_forces::<Baseline>(&self.blocks, places, residual);
     }
 
     /// Ψ, J.
@@ -125,28 +101,27 @@ impl VolumeBarrier {
 }
 
 impl ForceLaw for VolumeBarrier {
-    fn add_forces(&self, places: &[Lane], residual: &mut [Lane], _: f64) -> u32 {
-        self.add_forces(places, residual)
+    fn add_forces(&self, places: &[Lane], residual: &mut [Lane]) {
+        self.add_forces(places, residual);
     }
 
     fn energy_j(&self, places: &[Lane]) -> f64 {
         self.energy_j(places)
     }
 
-    fn edges(&self, _: Weight) -> Vec<Edge> {
+    fn edges(&self) -> Vec<Edge> {
         Vec::new()
     }
 
     /// Of a solid of part of the modulus: what springs of long thin cells lack, which give way sideways at rest and
     /// are held by their tension once they are drawn, and what the barrier adds.
-    fn tangent_at_rest(&self, _: f64, out: &mut dyn FnMut(u32, u32, Matrix3)) {
-        for (cell, young_pa) in &self.cells {
-            let elastic = Elastic {
-                young_pa: SUPPORT * young_pa,
-                poisson: 0.25,
-            };
-            cell_tangent(&self.rest, cell, &elastic, out);
-        }
+    fn tangent_at(&self, at: &Place<'_>, out: &mut dyn FnMut(u32, u32, Matrix3)) {
+        let own = Place {
+            metrics: &[],
+            pressures: &[],
+            ..*at
+        };
+        self.support.tangent_at(&own, out);
     }
 
     fn is_safeguard(&self) -> bool {
@@ -154,46 +129,29 @@ impl ForceLaw for VolumeBarrier {
     }
 }
 
-/// Σ |∂V|² over the modes that are even strains.
 #[inline(always)]
-fn steepness<L: Lanes>(growth: &[[L; 3]; 8]) -> L {
-    kernel::dot(growth[1], growth[1])
-        + kernel::dot(growth[2], growth[2])
-        + kernel::dot(growth[4], growth[4])
-}
-
-#[inline(always)]
-fn add_forces<L: Lanes>(blocks: &[Block], places: &[Lane], residual: &mut [Lane]) -> u32 {
-    let mut held = 0;
+fn add_forces<L: Lanes>(blocks: &[Block], places: &[Lane], residual: &mut [Lane]) {
     for block in blocks {
         let c = kernel::modes::<L>(&block.nodes, places);
         let (growth, volume) = kernel::volume(&c);
         let threshold = L::splat(THRESHOLD);
         let share = volume * L::load(&block.per_volume);
-        let below = threshold.above(share);
-        if below == 0 {
+        if threshold.above(share) == 0 {
             continue;
         }
-        let lost = (threshold - share).greatest(L::splat(0.0));
-        // Far out it only turns what has overflowed into numbers.
-        let reach = L::load(&block.reach);
-        // Beyond reach the pressure is lowered, as that of a continuum is: see `kernel::pressure`.
-        let steepness = steepness(&growth);
-        held += (L::splat(CRUSHED).above(share) & steepness.above(reach)).count_ones();
-        let followed = reach / steepness.greatest(reach);
-        let pressure =
-            L::load(&block.stiffness_pa) * lost.least(L::splat(1e90)) * followed * followed;
+        // Far out the bound only turns what has overflowed into numbers.
+        let lost = (threshold - share).greatest(L::splat(0.0)).least(L::splat(1e90));
+        let pressure = L::load(&block.stiffness_pa) * lost;
         let force = growth.map(|grown| times(grown, pressure));
         kernel::scatter(&block.nodes, force, residual);
     }
-    held
 }
 
 /// The same code with 256-bit registers; no fused multiply-add, so the bits are the same.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn add_forces_wide(blocks: &[Block], places: &[Lane], residual: &mut [Lane]) -> u32 {
-    add_forces::<palpate_geometry::math::lanes::Wide>(blocks, places, residual)
+fn add_forces_wide(blocks: &[Block], places: &[Lane], residual: &mut [Lane]) {
+    add_forces::<palpate_geometry::math::lanes::Wide>(blocks, places, residual);
 }
 
 #[cfg(test)]
@@ -219,13 +177,13 @@ mod tests {
         let barrier = VolumeBarrier::new(nodes, cells, |cell| 1e4 + cell as f64);
         let at_rest = moved(nodes, 0.91, 0.0);
         let mut forces = vec![[0.0; 4]; nodes.len()];
-        assert_eq!(barrier.add_forces(&at_rest, &mut forces), 0);
+        barrier.add_forces(&at_rest, &mut forces);
         assert!(forces.iter().all(|f| *f == [0.0; 4]));
         for squeeze in [0.4, 0.0, -0.5] {
             let places = moved(nodes, squeeze, 2e-3);
             let mut forces = vec![[0.0; 4]; nodes.len()];
             // Squeezed cells are within reach.
-            assert_eq!(barrier.add_forces(&places, &mut forces), 0);
+            barrier.add_forces(&places, &mut forces);
             assert!(forces.iter().any(|f| *f != [0.0; 4]));
             let mut plain = vec![[0.0; 4]; nodes.len()];
             add_forces::<Baseline>(&barrier.blocks, &places, &mut plain);

@@ -48,6 +48,14 @@ pub(super) fn energy(block: &CellBlock, metrics: &[[Four; 6]; 8], places: &[Lane
     energy
 }
 
+/// V, m³, by cell.
+pub(super) fn volumes(block: &CellBlock, places: &[Lane]) -> Four {
+    let mut volumes = [0.0; 4];
+    let c = kernel::modes::<Baseline>(&block.nodes, places);
+    kernel::volume(&c).1.store(&mut volumes);
+    volumes
+}
+
 /// Up to four cells. The places of missing ones are those of the first, their stiffness is zero.
 pub(super) fn block(nodes: &[Point3], cells: &[Cell], materials: &[Elastic]) -> CellBlock {
     debug_assert!(
@@ -62,14 +70,12 @@ pub(super) fn block(nodes: &[Point3], cells: &[Cell], materials: &[Elastic]) -> 
         per_volume: [1.0; 4],
         winding: [1.0; 4],
         bulk_pa: [0.0; 4],
+        per_bulk: [0.0; 4],
         shear_pa: [0.0; 4],
-        // Times anything reasonable it is still a number.
-        reach: [1e300; 4],
     };
     for (k, (cell, elastic)) in cells.iter().zip(materials).enumerate() {
         let rest = RestCell::new(nodes, cell);
         let (shear, lame) = elastic.lame_pa();
-        let weight = elastic.bounding_pa();
         for corner in 0..8 {
             block.nodes[corner][k] = cell[corner];
         }
@@ -85,10 +91,8 @@ pub(super) fn block(nodes: &[Point3], cells: &[Cell], materials: &[Elastic]) -> 
         block.per_volume[k] = 1.0 / rest.volume;
         block.winding[k] = rest.volume.signum();
         block.bulk_pa[k] = lame + 5.0 / 6.0 * shear;
+        block.per_bulk[k] = 1.0 / block.bulk_pa[k];
         block.shear_pa[k] = shear;
-        // At rest the tangent is at most 3 λ' − μ / 2 = 3 λ + 2 μ times the Laplacian; 4/3 of the
-        // matrix must reach it.
-        block.reach[k] = (4.0 / 3.0 * weight + 0.5 * shear) / block.bulk_pa[k];
     }
     block
 }

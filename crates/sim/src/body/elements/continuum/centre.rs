@@ -48,8 +48,6 @@ pub(super) struct Centres<L: Lanes> {
     growth: [Triple<L>; 3],
     /// V, m³.
     pub volume: L,
-    /// I_C, of the larger of what is elastic and what is seen.
-    pub largest: L,
 }
 
 impl<L: Lanes> Centres<L> {
@@ -61,18 +59,11 @@ impl<L: Lanes> Centres<L> {
         let (t, invariant) = stretch(metrics, [x, y, z]);
         let factor = L::load(&block.stiffness_j[0]) * (one - one / (invariant + one));
         let growth = [cross(y, z), cross(z, x), cross(x, y)];
-        // What has flowed is elastic no more, but it turns the gradient of volume as well.
-        let largest = if std::ptr::eq(metrics, &block.metric[0]) {
-            invariant
-        } else {
-            invariant.greatest(stretch(&block.metric[0], [x, y, z]).1)
-        };
         let share = factor * L::splat(-0.125);
         Self {
             pull: [times(t[0], share), times(t[1], share), times(t[2], share)],
             growth,
             volume: dot(x, growth[0]) * L::splat(8.0),
-            largest,
         }
     }
 
@@ -109,19 +100,19 @@ impl<L: Lanes> Centres<L> {
     }
 }
 
-/// Adds −∂Ψ/∂x of a block's cells; bit k of the answer is set where cell k was held back.
+/// Adds the forces of a block's cells, as [`kernel::add_forces`](super::kernel::add_forces).
 #[inline(always)]
 pub(super) fn add_forces<L: Lanes>(
     block: &CellBlock,
     metrics: &[[Four; 6]; 1],
+    given_pa: Option<&Four>,
     places: &[Lane],
     residual: &mut [Lane],
-    farther: L,
-) -> u8 {
+) -> L {
     let centres = Centres::<L>::new(block, &metrics[0], places);
-    let (pressure, held) = pressure(block, centres.volume, centres.largest, farther);
+    let (pressure, gap) = pressure(block, centres.volume, given_pa);
     centres.push(block, pressure, residual);
-    held
+    gap
 }
 
 /// V, m³, by cell.
@@ -220,7 +211,7 @@ mod tests {
             .iter()
             .map(|p| [1.2 * p.x + 0.1 * p.y, 0.9 * p.y, p.z - 0.2 * p.x, 0.0])
             .collect();
-        let [a, b] = solids.map(|solid| (solid.energy_j(&places), solid.exact_forces(&places)));
+        let [a, b] = solids.map(|solid| (solid.energy_j(&places), solid.forces(&places)));
         assert!((a.0 / b.0 - 1.0).abs() < 1e-12);
         for (f, g) in a.1.iter().zip(&b.1) {
             assert!((f - g).norm() < 1e-12 * f.norm().max(1.0));
@@ -233,7 +224,7 @@ mod tests {
         for scale in [0.0, 1e-3, 0.1, 1e3] {
             let places = moved(&solid, scale, &mut random);
             let (mut slow, mut fast) = (vec![[0.0; 4]; places.len()], vec![[0.0; 4]; places.len()]);
-            super::super::add_forces::<Baseline>(&solid, &[], &places, &mut slow, 1.0);
+            super::super::add_forces::<Baseline>(&solid, &[], None, &places, &mut slow);
             solid.add_forces(&places, &mut fast);
             assert_eq!(slow, fast);
         }

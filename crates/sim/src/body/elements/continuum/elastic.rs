@@ -1,8 +1,8 @@
 //! Elastic constants.
 
-/// How far above the least stable weight of rest the matrix is, so that strained cells can be
-/// followed too: at ν = 0.3 a cell is held back once I_C is 15 % above that of rest.
+/// How far above the tangent of rest, so that it bounds that of strained cells too.
 const MARGIN: f64 = 1.25;
+
 /// Young's modulus and Poisson's ratio at small strain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Elastic {
@@ -23,13 +23,13 @@ impl Elastic {
             young_pa * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson)),
         )
     }
-    /// Weight of the bounding Laplacian, Pa.
+
+    /// Weight of a Laplacian above the tangent, Pa.
     ///
-    /// The step from the inertial prediction is stable while L >= 3/4 K. At rest K is at most 2 μ + 3 λ
-    /// times the Laplacian of the same quadrature (pure dilatation, which a free body can do), and
-    /// 3/2 (λ + 2 μ) is 1.5 times what backward Euler needs for waves of compression.
-    pub(in crate::body) fn bounding_pa(&self) -> f64 {
+    /// At rest the tangent is at most 2 μ + 3 λ times the Laplacian of the same quadrature: pure dilatation, which a
+    /// free body can do.
+    pub(in crate::body) fn steepest_pa(&self) -> f64 {
         let (shear, lame) = self.lame_pa();
-        1.5 * MARGIN * (lame + 2.0 * shear).max(1.5 * lame + shear)
+        MARGIN * (2.0 * lame + 4.0 * shear).max(3.0 * lame + 2.0 * shear)
     }
 }

@@ -35,10 +35,10 @@ pub(super) struct CellBlock {
     pub winding: Four,
     /// λ', Pa.
     pub bulk_pa: Four,
+    /// 1 / λ', 1/Pa; 0 for missing cells.
+    pub per_bulk: Four,
     /// μ, Pa.
     pub shear_pa: Four,
-    /// How much of |cof F|² + |J̄ − 1| |∂²J| the matrix of the step can follow.
-    pub reach: Four,
 }
 
 pub(super) type Triple<L> = [L; 3];
@@ -175,6 +175,17 @@ pub(super) fn stretch<L: Lanes>(metric: &[Four; 6], g: [Triple<L>; 3]) -> ([Trip
     (t, invariant)
 }
 
+/// I_C of four cells at their centres.
+#[inline(always)]
+pub(in crate::body) fn stretched<L: Lanes>(
+    nodes: &[[u32; 4]; 8],
+    metric: &[Four; 6],
+    places: &[Lane],
+) -> L {
+    let c = modes::<L>(nodes, places);
+    stretch(metric, [c[4], c[2], c[1]]).1
+}
+
 /// ∂(V / 8)/∂c for the modes 1 … 6, and V.
 #[inline(always)]
 pub(super) fn volume<L: Lanes>(c: &[Triple<L>; 8]) -> ([Triple<L>; 8], L) {
@@ -194,42 +205,32 @@ pub(super) fn volume<L: Lanes>(c: &[Triple<L>; 8]) -> ([Triple<L>; 8], L) {
     ([[zero; 3], dz, dy, dyz, dx, dxz, dxy, [zero; 3]], volume)
 }
 
-/// Adds −∂Ψ/∂x of a block's cells with a metric for each Gauss point; bit k of the answer is set where
-/// cell k was held back.
+/// Adds the forces of a block's cells with a metric for each Gauss point and, where they are given, pressures; answers
+/// with the gaps of [`pressure`].
 #[inline(always)]
 pub(super) fn add_forces<L: Lanes>(
     block: &CellBlock,
     metrics: &[[Four; 6]; 8],
+    given_pa: Option<&Four>,
     places: &[Lane],
     residual: &mut [Lane],
-    farther: L,
-) -> u8 {
+) -> L {
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
     let c = modes::<L>(&block.nodes, places);
     let slopes = slopes(&c);
     let mut pulls = [[[zero; 3]; 4]; 3];
-    let mut largest = zero;
     for gauss in 0..8 {
         let [i, j, k] = at(gauss);
         let (t, invariant) = stretch(&metrics[gauss], [slopes[0][i], slopes[1][j], slopes[2][k]]);
-        largest = largest.greatest(invariant);
         // P = μ' (1 − 1 / (I_C + 1)) F: Smith, de Goes & Kim 2018, eq. 14.
         let factor = L::load(&block.stiffness_j[gauss]) * (one - one / (invariant + one));
         pulls[0][i] = plus(pulls[0][i], times(t[0], factor));
         pulls[1][j] = plus(pulls[1][j], times(t[1], factor));
         pulls[2][k] = plus(pulls[2][k], times(t[2], factor));
     }
-    if !std::ptr::eq(metrics, &block.metric) {
-        // What has flowed is elastic no more, but it turns the gradient of volume as well.
-        for gauss in 0..8 {
-            let [i, j, k] = at(gauss);
-            let gradient = [slopes[0][i], slopes[1][j], slopes[2][k]];
-            largest = largest.greatest(stretch(&block.metric[gauss], gradient).1);
-        }
-    }
     let (x, y, z) = (gather(&pulls[0]), gather(&pulls[1]), gather(&pulls[2]));
     let (growth, volume) = volume(&c);
-    let (pressure, held) = pressure(block, volume, largest, farther);
+    let (pressure, gap) = pressure(block, volume, given_pa);
     let eighth = L::splat(-0.125);
     let mut force = [
         [zero; 3],
@@ -245,7 +246,7 @@ pub(super) fn add_forces<L: Lanes>(
         force[mode] = minus(times(force[mode], eighth), times(growth[mode], pressure));
     }
     scatter(&block.nodes, force, residual);
-    held
+    gap
 }
 
 /// Adds forces on the modes to the corners' nodes.
@@ -274,29 +275,29 @@ pub(super) fn scatter<L: Lanes>(
     }
 }
 
-/// ∂Ψ/∂V = λ' (J̄ − 1) − μ, held back where its stiffness is more than the matrix of the step can
-/// follow.
-///
-/// The stiffness is λ' (|cof F|² + |J̄ − 1| |∂²J|) in units of the Laplacian of rest, |cof F|² ≤
-/// I_C² / 3 and
-/// |∂²J| ≤ 2 √(I_C / 3); at rest the sum is 3 λ'. Beyond reach the pressure is lowered by the square of the excess: the
-/// factor itself would do for the stiffness, but what is held back is no longer the gradient of an
-/// energy, and scrambled cells were pumped up by it. What is left draws such cells together until
-/// they can be followed again.
+/// ∂Ψ/∂V = q − μ with the sign of the winding, Pa, and the gap J̄ − 1 − q / λ' between volume and pressure. A pressure
+/// q that is not given follows the volume: there is no gap.
 #[inline(always)]
-pub(super) fn pressure<L: Lanes>(block: &CellBlock, volume: L, largest: L, farther: L) -> (L, u8) {
-    let one = L::splat(1.0);
-    let grown = volume * L::load(&block.per_volume) - one;
+pub(super) fn pressure<L: Lanes>(
+    block: &CellBlock,
+    volume: L,
+    given_pa: Option<&Four>,
+) -> (L, L) {
+    let grown = grown(block, volume);
+    let (q, gap) = match given_pa {
+        Some(q) => {
+            let q = L::load(q);
+            (q, grown - q * L::load(&block.per_bulk))
+        }
+        None => (L::load(&block.bulk_pa) * grown, L::splat(0.0)),
+    };
+    ((q - L::load(&block.shear_pa)) * L::load(&block.winding), gap)
+}
+
+/// J̄ − 1.
+#[inline(always)]
+pub(super) fn grown<L: Lanes>(block: &CellBlock, volume: L) -> L {
+    let grown = volume * L::load(&block.per_volume) - L::splat(1.0);
     // The bounds are far out: they only turn what has overflowed into numbers.
-    let grown = grown.greatest(L::splat(-1e90)).least(L::splat(1e90));
-    let squared = largest * largest * L::splat(1.0 / 3.0);
-    let bend = (grown * grown).sqrt() * largest.sqrt() * L::splat(1.154_700_538_379_251_5);
-    let reach = L::load(&block.reach) * farther;
-    let excess = (squared + bend).greatest(reach);
-    let followed = reach / excess;
-    let pressure = L::load(&block.bulk_pa) * grown - L::load(&block.shear_pa);
-    (
-        pressure * followed * followed * L::load(&block.winding),
-        excess.above(reach),
-    )
+    grown.greatest(L::splat(-1e90)).least(L::splat(1e90))
 }

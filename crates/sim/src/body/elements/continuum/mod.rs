@@ -7,9 +7,7 @@
 //! (mean dilatation, Nagtegaal, Parks & Rice 1974), so nearly incompressible cells do not lock.
 //! Inverted and flat cells have finite forces that lead back.
 //!
-//! The step's constant matrix is a scalar Laplacian, [`ContinuumLaw::laplacian`]. It stays
-//! stable while it exceeds 3/4 of the tangent; where a cell is strained beyond that, its pressure
-//! is lowered for the tick and counted.
+//! The implicit step knows pressures as unknowns of their own: see [`unknown`].
 
 mod barrier;
 mod block;
@@ -21,15 +19,17 @@ mod hessian;
 mod kernel;
 mod patch;
 mod rest;
+mod unknown;
 #[cfg(test)]
 pub(in crate::body) mod tests;
 
 use crate::body::cells::{Cell, CellGrid};
 pub use barrier::VolumeBarrier;
-pub(in crate::body) use bound::TANGENT_REACH;
 pub use elastic::Elastic;
 pub(in crate::body) use flow::CellFlow;
 use kernel::CellBlock;
+pub(in crate::body) use kernel::stretched;
+pub(in crate::body) use unknown::Growth;
 use palpate_geometry::math::lanes::{Baseline, Lanes};
 use palpate_geometry::math::{Lane, Point3, Vector3};
 use patch::Patch;
@@ -84,13 +84,6 @@ pub enum ContinuumError {
     },
 }
 
-/// What a pass over the cells met.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Pass {
-    /// Cells whose pressure was lowered because they are strained beyond what the step can follow.
-    pub limited: u32,
-}
-
 /// The constant of an elastic solid.
 #[derive(Clone, Debug)]
 pub struct ContinuumLaw {
@@ -103,6 +96,15 @@ pub struct ContinuumLaw {
     points: Points,
     /// Cells that share a pressure; empty where each has its own.
     patches: Vec<Patch>,
+}
+
+/// Pressures that a pass over the cells is given, and the gaps that it answers with: both
+/// [`ContinuumLaw::pressure_lanes`] long.
+pub(in crate::body) struct Given<'a> {
+    /// Pa.
+    pub pressures: &'a [Lane],
+    /// J − 1 − q / λ.
+    pub gaps: &'a mut [Lane],
 }
 
 /// Where a cell's energy is integrated.
@@ -155,6 +157,21 @@ impl ContinuumLaw {
             points,
             patches: Vec::new(),
         })
+    }
+
+    /// The same of cells that may be distorted.
+    fn unchecked(nodes: &[Point3], cells: &[Cell], elastic: &[Elastic]) -> Self {
+        let four = cells.chunks(4).zip(elastic.chunks(4));
+        Self {
+            blocks: four
+                .map(|(cells, materials)| block::block(nodes, cells, materials))
+                .collect(),
+            rest: nodes.to_vec(),
+            cells: cells.to_vec(),
+            materials: elastic.to_vec(),
+            points: Points::Eight,
+            patches: Vec::new(),
+        }
     }
 
     /// The same for grids with more cells than coordinates, in which nearly incompressible cells would lock if
@@ -214,19 +231,19 @@ impl ContinuumLaw {
 
     /// Adds −∂Ψ/∂x (N) at `places` (m, fourth number ignored) to `residual`, both (node_count).
     /// Finite for places up to 1e100 m.
-    pub fn add_forces(&self, places: &[Lane], residual: &mut [Lane]) -> Pass {
-        self.add_forces_reaching(&[], places, residual, 1.0)
+    pub fn add_forces(&self, places: &[Lane], residual: &mut [Lane]) {
+        self.add_forces_of(&[], None, places, residual);
     }
 
-    /// The same for a step whose matrix follows cells so many times as far as the bounding one.
-    /// `metrics`: those of cells that flow, as [`CellFlow::rest`]; empty where none do.
-    pub(in crate::body) fn add_forces_reaching(
+    /// The same of cells that flow and under pressures of their own. `metrics`: as [`CellFlow::rest`], empty where none
+    /// flows; `given`: pressures instead of those that follow the volumes.
+    pub(in crate::body) fn add_forces_of(
         &self,
         metrics: &[Lane],
+        given: Option<Given<'_>>,
         places: &[Lane],
         residual: &mut [Lane],
-        farther: f64,
-    ) -> Pass {
+    ) {
         debug_assert!(
             places.len() == self.rest.len() && residual.len() == places.len(),
             "one place and force a node"
@@ -235,39 +252,20 @@ impl ContinuumLaw {
         if palpate_geometry::math::simd::has_avx2() {
             // SAFETY: the processor has AVX2, asked just above.
             #[allow(unsafe_code)]
-            return unsafe { add_forces_avx2(self, metrics, places, residual, farther) };
+            return unsafe { add_forces_avx2(self, metrics, given, places, residual) };
         }
-        add_forces::<Baseline>(self, metrics, places, residual, farther)
+        add_forces::<Baseline>(self, metrics, given, places, residual);
     }
 
-    /// −∂Ψ/∂x (node_count), N, with no cell held back: for offline solvers, which need no matrix to
-    /// follow.
-    pub fn exact_forces(&self, places: &[Lane]) -> Vec<Vector3> {
+    /// −∂Ψ/∂x (node_count), N.
+    pub fn forces(&self, places: &[Lane]) -> Vec<Vector3> {
         let mut residual = vec![[0.0; 4]; places.len()];
-        let block = |block: &CellBlock| CellBlock {
-            reach: [f64::MAX; 4],
-            ..block.clone()
-        };
-        let patch = |patch: &Patch| Patch {
-            reach: f64::MAX,
-            ..patch.clone()
-        };
-        let free = Self {
-            blocks: self.blocks.iter().map(block).collect(),
-            patches: self.patches.iter().map(patch).collect(),
-            rest: Vec::new(),
-            cells: Vec::new(),
-            materials: Vec::new(),
-            points: self.points,
-        };
-        add_forces::<Baseline>(&free, &[], places, &mut residual, 1.0);
-        residual
-            .iter()
-            .map(|r| Vector3::new(r[0], r[1], r[2]))
-            .collect()
+        self.add_forces(places, &mut residual);
+        let forces = residual.iter();
+        forces.map(|r| Vector3::new(r[0], r[1], r[2])).collect()
     }
 
-    /// Ψ, J; zero at rest. Where [`Pass::limited`] counts a cell, forces are not its gradient.
+    /// Ψ, J; zero at rest.
     pub fn energy_j(&self, places: &[Lane]) -> f64 {
         self.energy_flowed_j(&[], places)
     }
@@ -297,41 +295,42 @@ impl ContinuumLaw {
 fn add_forces<L: Lanes>(
     law: &ContinuumLaw,
     metrics: &[Lane],
+    given: Option<Given<'_>>,
     places: &[Lane],
     residual: &mut [Lane],
-    farther: f64,
-) -> Pass {
+) {
     let blocks = &law.blocks;
-    let mut limited = 0;
-    let reach = L::splat(farther);
-    match law.points {
-        Points::Centre if !law.patches.is_empty() => {
-            for patch in &law.patches {
-                if patch.add_forces::<L>(blocks, metrics, places, residual, farther) {
-                    limited += patch.of(blocks).iter().map(|b| b.count as u32).sum::<u32>();
-                }
+    let (pressures, gaps): (Option<&[Lane]>, &mut [Lane]) = match given {
+        Some(Given { pressures, gaps }) => (Some(pressures), gaps),
+        None => (None, &mut []),
+    };
+    if !law.patches.is_empty() {
+        let parts = pressures.map(|all| all.split_at(blocks.len()));
+        for (k, patch) in law.patches.iter().enumerate() {
+            let of_patch = parts.map(|(cells, patches)| (cells, patches.as_flattened()[k]));
+            let gap = patch.add_forces::<L>(blocks, metrics, of_patch, places, residual, gaps);
+            if parts.is_some() {
+                gaps[blocks.len()..].as_flattened_mut()[k] = gap;
             }
         }
-        Points::Eight => {
-            for (k, block) in blocks.iter().enumerate() {
-                let Some(own) = block::metrics_of(block, metrics, k) else {
-                    continue;
-                };
-                let held = kernel::add_forces::<L>(block, own, places, residual, reach);
-                limited += held.count_ones();
-            }
-        }
-        Points::Centre => {
-            for (k, block) in blocks.iter().enumerate() {
-                let Some(own) = block::metrics_of(block, metrics, k) else {
-                    continue;
-                };
-                let held = centre::add_forces::<L>(block, own, places, residual, reach);
-                limited += held.count_ones();
-            }
+        return;
+    }
+    for (k, block) in blocks.iter().enumerate() {
+        let given = pressures.map(|all| &all[k]);
+        let gap = match law.points {
+            Points::Eight => match block::metrics_of(block, metrics, k) {
+                Some(own) => kernel::add_forces::<L>(block, own, given, places, residual),
+                None => continue,
+            },
+            Points::Centre => match block::metrics_of(block, metrics, k) {
+                Some(own) => centre::add_forces::<L>(block, own, given, places, residual),
+                None => continue,
+            },
+        };
+        if given.is_some() {
+            gap.store(&mut gaps[k]);
         }
     }
-    Pass { limited }
 }
 
 /// The same code with 256-bit registers; no fused multiply-add, so the bits are the same.
@@ -340,11 +339,11 @@ fn add_forces<L: Lanes>(
 fn add_forces_avx2(
     law: &ContinuumLaw,
     metrics: &[Lane],
+    given: Option<Given<'_>>,
     places: &[Lane],
     residual: &mut [Lane],
-    farther: f64,
-) -> Pass {
-    add_forces::<palpate_geometry::math::lanes::Wide>(law, metrics, places, residual, farther)
+) {
+    add_forces::<palpate_geometry::math::lanes::Wide>(law, metrics, given, places, residual);
 }
 
 fn check(grid: &CellGrid, elastic: &[Elastic]) -> Result<(), ContinuumError> {

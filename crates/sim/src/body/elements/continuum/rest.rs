@@ -68,7 +68,7 @@ impl RestCell {
 }
 
 /// ∂N/∂ξ of a corner at a Gauss point.
-fn slope(gauss: usize, corner: usize) -> Vector3 {
+pub(super) fn slope(gauss: usize, corner: usize) -> Vector3 {
     let at = |bit: usize| {
         let t = if gauss & bit != 0 { GAUSS } else { -GAUSS };
         if corner & bit != 0 {

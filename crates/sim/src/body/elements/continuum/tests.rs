@@ -9,10 +9,12 @@ mod stability;
 mod statics;
 
 use super::*;
-use crate::body::elements::Weight;
 use crate::body::layers::{RingEnds, Rings, rings};
+use crate::body::{
+    Deformable, DeformableScratch, DeformableState, Inside, Integrator, Material, Solid, StepMatrix, StepSettings,
+};
 pub(in crate::body) use palpate_geometry::math::Random;
-use palpate_geometry::math::{Cholesky, SymmetricTriplets, Vector3};
+use palpate_geometry::math::Vector3;
 
 /// A box of equal cells; node (i, j, k) at `(i (ny + 1) + j) (nz + 1) + k`.
 pub(in crate::body) fn cuboid(counts: [usize; 3], sides_m: [f64; 3]) -> CellGrid {
@@ -96,23 +98,11 @@ pub(in crate::body) fn uniform(grid: &CellGrid, young_pa: f64, poisson: f64) -> 
     ContinuumLaw::new(grid, &vec![Elastic { young_pa, poisson }; grid.cells.len()]).unwrap()
 }
 
-fn forces(solid: &ContinuumLaw, places: &[Lane]) -> (Vec<Vector3>, Pass) {
-    let mut residual = vec![[0.0; 4]; places.len()];
-    let pass = solid.add_forces(places, &mut residual);
-    (
-        residual
-            .iter()
-            .map(|r| Vector3::new(r[0], r[1], r[2]))
-            .collect(),
-        pass,
-    )
-}
-
 /// Forces are the falling slope of the energy: central differences of a tenth of a micrometre, whose
 /// error is far below 1e-5 of the largest force.
 pub(in crate::body) fn assert_forces_are_slopes(solid: &ContinuumLaw, places: &[Lane]) {
     const STEP_M: f64 = 1e-7;
-    let forces = solid.exact_forces(places);
+    let forces = solid.forces(places);
     let largest = forces.iter().map(|f| f.norm()).fold(0.0, f64::max);
     for (node, force) in forces.iter().enumerate() {
         for c in 0..3 {
@@ -146,132 +136,61 @@ fn samples() -> Vec<(&'static str, CellGrid, f64)> {
     ]
 }
 
-/// The implicit step as a body does it that takes the bounding matrix A, one iteration: from the
-/// inertial prediction y = x + dt v to x' = y + A⁻¹ (f(y) + F). A free mode of θ = K / A swings, with
-/// amplitudes that fall by √(1 − θ) a tick.
-struct ReferenceWorld {
-    solid: ContinuumLaw,
-    masses: Vec<f64>,
-    dt_s: f64,
-    unknown: Vec<Option<usize>>,
-    factor: Cholesky,
-    places: Vec<Lane>,
-    velocities: Vec<Vector3>,
-    limited: u64,
-    held: bool,
+/// A body without damping and its step, one iteration of 1 ms.
+struct World {
+    body: Deformable,
+    state: DeformableState,
+    scratch: DeformableScratch,
 }
 
-impl ReferenceWorld {
-    fn new(
-        grid: &CellGrid,
-        elastic: &[Elastic],
-        density_kg_m3: f64,
-        dt_s: f64,
-        fixed: impl Fn(&Point3) -> bool,
-    ) -> Self {
-        let solid = ContinuumLaw::new(grid, elastic).unwrap();
-        let mut masses = vec![0.0; grid.nodes.len()];
-        for cell in &grid.cells {
-            for &node in cell {
-                masses[node as usize] += density_kg_m3 * grid.volume(cell) / 8.0;
-            }
-        }
-        let mut count = 0;
-        let unknown: Vec<Option<usize>> = grid
-            .nodes
-            .iter()
-            .map(|p| {
-                let row = (!fixed(p)).then_some(count);
-                count += usize::from(row.is_some());
-                row
-            })
-            .collect();
-        let mut matrix = SymmetricTriplets::new(count);
-        for (node, row) in unknown.iter().enumerate() {
-            if let &Some(row) = row {
-                matrix.add(row, row, masses[node] / (dt_s * dt_s));
-            }
-        }
-        for (a, b, k) in solid.laplacian(Weight::Bounding) {
-            let (a, b) = (unknown[a as usize], unknown[b as usize]);
-            a.into_iter()
-                .chain(b)
-                .for_each(|row| matrix.add(row, row, k));
-            if let (Some(a), Some(b)) = (a, b) {
-                matrix.add(a, b, -k);
-            }
-        }
-        let factor = Cholesky::new(&matrix).unwrap();
-        let velocities = vec![Vector3::zeros(); grid.nodes.len()];
+impl World {
+    fn new(grid: &CellGrid, elastic: &[Elastic], fixed: impl Fn(&Point3) -> bool) -> Self {
+        let material = |cell: usize| Material {
+            young_pa: elastic[cell].young_pa,
+            poisson: elastic[cell].poisson,
+            density_kg_m3: 1000.0,
+            damping_s: 0.0,
+            plastic: None,
+            stiffening: None,
+        };
+        let fixed: Vec<bool> = grid.nodes.iter().map(fixed).collect();
+        let volume = grid.cells.iter().map(|cell| grid.volume(cell)).sum();
+        let solid = Solid::whole(grid, &fixed, volume, Inside::Continuum, material);
+        let settings = StepSettings {
+            dt_s: 1e-3,
+            integrator: Integrator::Implicit {
+                iterations: 1,
+                matrix: StepMatrix::Auto,
+            },
+            sleep_m_s: 0.0,
+        };
+        let body = solid.build(&material(0), settings).unwrap();
         Self {
-            solid,
-            masses,
-            dt_s,
-            unknown,
-            factor,
-            places: lanes(&grid.nodes),
-            velocities,
-            limited: 0,
-            held: false,
+            state: body.rest_state(),
+            scratch: body.scratch(),
+            body,
         }
     }
 
-    /// One tick under a load (N a node).
-    fn step(&mut self, load: impl Fn(usize) -> Vector3) {
-        let n = self.factor.n();
-        let before = self.places.clone();
-        let held = self.held;
-        for (place, v) in self.places.iter_mut().zip(&self.velocities) {
-            for c in 0..3 {
-                place[c] += if held { 0.0 } else { self.dt_s * v[c] };
-            }
-        }
-        let mut residual = vec![[0.0; 4]; self.places.len()];
-        let limited = self.solid.add_forces(&self.places, &mut residual).limited;
-        self.limited += u64::from(limited);
-        self.held = limited > 0;
-        let mut rhs = vec![Vector3::zeros(); n];
-        for (node, row) in self.unknown.iter().enumerate() {
-            if let &Some(row) = row {
-                let [x, y, z, _] = residual[node];
-                rhs[row] = Vector3::new(x, y, z)
-                    + load(node)
-                    + self.velocities[node]
-                        * if held {
-                            self.masses[node] / self.dt_s
-                        } else {
-                            0.0
-                        };
-            }
-        }
-        self.factor.solve(&mut rhs, &mut vec![[0.0; 4]; n]);
-        for (node, row) in self.unknown.iter().enumerate() {
-            if let &Some(row) = row {
-                for c in 0..3 {
-                    self.places[node][c] += rhs[row][c];
-                    self.velocities[node][c] = (self.places[node][c] - before[node][c]) / self.dt_s;
-                }
-            }
-        }
+    /// One tick.
+    fn step(&mut self) {
+        self.body.predict(&self.state, &mut self.scratch);
+        self.body.advance(&mut self.state, &mut self.scratch);
     }
 
     fn energy_j(&self) -> f64 {
-        let kinetic = self
-            .masses
-            .iter()
-            .zip(&self.velocities)
-            .map(|(m, v)| 0.5 * m * v.norm_squared())
-            .sum::<f64>();
-        kinetic + self.solid.energy_j(&self.places)
+        self.body.energy_j(&self.state)
+    }
+
+    /// Fastest node, m/s.
+    fn speed_m_s(&self) -> f64 {
+        let speeds = self.state.velocities.iter().map(|v| v.norm());
+        speeds.fold(0.0, f64::max)
     }
 
     /// Farthest node from rest, m.
     fn farthest_m(&self) -> f64 {
-        let far = |(p, rest): (&Lane, &Point3)| (Point3::new(p[0], p[1], p[2]) - rest).norm();
-        self.places
-            .iter()
-            .zip(self.solid.rest())
-            .map(far)
-            .fold(0.0, f64::max)
+        let places = self.state.positions.iter().zip(self.body.rest());
+        places.map(|(p, rest)| (p - rest).norm()).fold(0.0, f64::max)
     }
 }

@@ -7,10 +7,11 @@
 mod panels;
 mod pull;
 
+use super::Place;
 use super::springs::Spring;
 use crate::body::material::Stiffening;
 use palpate_geometry::math::lanes::{Baseline, Four, Lanes};
-use palpate_geometry::math::{Lane, Point3, simd};
+use palpate_geometry::math::{Lane, Matrix3, Point3, Vector3, simd};
 pub use panels::ByCoordinate;
 use panels::{Grouped, Panels};
 use pull::Pull;
@@ -117,6 +118,35 @@ impl SpringTable {
             least = least.min(rest * rest / square.max(f64::MIN_POSITIVE));
         }
         1.0 - least.sqrt()
+    }
+
+    /// Hands out blocks of the tangent, N/m, along the springs stiffer by a margin, across them by their tension.
+    pub(in crate::body) fn tangent_at(
+        &self,
+        at: &Place<'_>,
+        margin: f64,
+        out: &mut impl FnMut(u32, u32, Matrix3),
+    ) {
+        let rest = match at.metrics.is_empty() {
+            true => self.rest(),
+            false => at.metrics,
+        };
+        let place = |k: usize| {
+            let [x, y, z, _] = at.places[k];
+            Vector3::new(x, y, z)
+        };
+        for (block, lane, a, b, k) in self.each() {
+            let edge = place(b) - place(a);
+            let Some(way) = edge.try_normalize(0.0) else {
+                continue;
+            };
+            let taut = (1.0 - rest[block][lane] / edge.norm()).max(0.0);
+            let along = way * way.transpose();
+            let block = (along * margin + (Matrix3::identity() - along) * taut) * k;
+            out(a as u32, a as u32, block);
+            out(b as u32, b as u32, block);
+            out(a as u32, b as u32, -block);
+        }
     }
 
     /// Springs by block and place: (block, place, a, b, k).

@@ -73,7 +73,7 @@ fn shear_shows_the_shear_modulus() {
         };
         let places = equilibrium(&solid, &fixed, &|_| Vector3::zeros());
         // The virtual work of the boundary's forces in a unit of γ, over the volume.
-        let forces = solid.exact_forces(&places);
+        let forces = solid.forces(&places);
         let work: f64 = grid
             .nodes
             .iter()

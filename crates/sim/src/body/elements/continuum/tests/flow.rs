@@ -62,7 +62,7 @@ impl Bar {
         let places = self.places();
         let mut residual = vec![[0.0; 4]; places.len()];
         self.solid
-            .add_forces_reaching(&self.metrics, &places, &mut residual, 1e6);
+            .add_forces_of(&self.metrics, None, &places, &mut residual);
         [0, 1].map(|axis| {
             let far = residual.iter().zip(self.solid.rest());
             let sum: f64 = far
@@ -267,7 +267,7 @@ fn flow_never_makes_energy_and_forces_are_the_slope_of_what_is_left() {
         }
         assert!(fell_j > 0.0, "nothing flowed");
         let mut residual = vec![[0.0; 4]; places.len()];
-        solid.add_forces_reaching(&metrics, &places, &mut residual, 1e6);
+        solid.add_forces_of(&metrics, None, &places, &mut residual);
         let largest = residual
             .iter()
             .flatten()

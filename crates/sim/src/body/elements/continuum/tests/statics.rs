@@ -1,6 +1,7 @@
 //! Equilibria by Newton's method: no step, no contact.
 
 use super::*;
+use palpate_geometry::math::{Cholesky, SymmetricTriplets};
 
 /// What Newton's method needs of an elastic solid.
 pub(super) trait Elastostatic {
@@ -17,7 +18,7 @@ impl Elastostatic for ContinuumLaw {
     }
 
     fn forces(&self, places: &[Lane]) -> Vec<Vector3> {
-        self.exact_forces(places)
+        self.forces(places)
     }
 
     fn tangent(&self, places: &[Lane], out: &mut dyn FnMut(usize, usize, f64)) {

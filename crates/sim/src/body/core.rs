@@ -1,0 +1,162 @@
+//! One matrix of the step, factored, with what it needs of the law and what contact asks of it.
+
+use super::elements::continuum::Growth;
+use super::frame::Frame;
+use super::matter::Matter;
+use super::scalar_factor::{ScalarFactor, ScalarWork};
+use palpate_geometry::math::{BlockCholesky, BlockWork, Lane, Rows, Vector3};
+
+/// A matrix B of the step: A = R B⁻¹ Rᵀ says how loads move the body.
+#[derive(Debug)]
+pub(super) struct Core {
+    pub factor: Factor,
+    /// ∂V/∂x of the cells where it was made; none without pressures.
+    pub growth: Vec<Growth>,
+    /// Frames of the unknowns where it was made; none at rest.
+    pub made_in: Vec<Frame>,
+    pub surface: SurfaceBlocks,
+}
+
+/// A factor of 3 × 3 blocks, which turns with the body, or of numbers, which need not.
+#[derive(Debug)]
+pub(super) enum Factor {
+    Blocks(BlockCholesky),
+    Scalar(ScalarFactor),
+}
+
+/// Buffers of solves.
+#[derive(Clone, Debug, Default)]
+pub(super) struct FactorWork {
+    blocks: BlockWork,
+    scalar: ScalarWork,
+    vectors: Vec<Vector3>,
+}
+
+impl Factor {
+    /// Buffers for any of some factors of `n` unknowns.
+    pub fn work<'a>(factors: impl Iterator<Item = &'a Self>, n: usize) -> FactorWork {
+        let mut work = FactorWork::default();
+        for factor in factors {
+            match factor {
+                Self::Blocks(factor) => work.blocks = factor.work(),
+                Self::Scalar(factor) => {
+                    work.scalar = factor.work(n);
+                    work.vectors.resize(n, Vector3::zeros());
+                }
+            }
+        }
+        work
+    }
+
+    /// Solves in place (unknowns).
+    pub fn solve(&self, rows: &mut [Lane], work: &mut FactorWork) {
+        match self {
+            Self::Blocks(factor) => factor.solve(rows, &mut work.blocks),
+            Self::Scalar(factor) => {
+                for (vector, row) in work.vectors.iter_mut().zip(rows.iter()) {
+                    *vector = Vector3::new(row[0], row[1], row[2]);
+                }
+                factor.solve(&mut work.vectors, &mut work.scalar);
+                for (row, v) in rows.iter_mut().zip(&work.vectors) {
+                    *row = [v.x, v.y, v.z, 0.0];
+                }
+            }
+        }
+    }
+
+    /// Numbers in the factor.
+    pub fn non_zeros(&self) -> usize {
+        match self {
+            Self::Blocks(factor) => factor.non_zeros(),
+            Self::Scalar(factor) => factor.non_zeros(),
+        }
+    }
+
+    /// Bits of most of those numbers.
+    pub fn bits(&self) -> u32 {
+        match self {
+            Self::Blocks(factor) => factor.bits(),
+            Self::Scalar(ScalarFactor::Double(_)) => 64,
+            Self::Scalar(ScalarFactor::Single(_)) => 32,
+        }
+    }
+}
+
+/// B⁻¹ between coordinates of the net, in 3 × 3 blocks, m/N.
+#[derive(Debug, Default)]
+pub(super) struct SurfaceBlocks {
+    count: usize,
+    /// (column, row): a block by columns.
+    blocks: Vec<[f32; 9]>,
+}
+
+impl SurfaceBlocks {
+    /// Of the coordinates in [`Matter::surface`]; `solve` answers loads of the unknowns.
+    pub fn new(matter: &Matter, mut solve: impl FnMut(&mut [Lane])) -> Self {
+        let unknown = |&c: &u32| matter.unknown[c as usize] as usize;
+        let places: Vec<usize> = matter.surface.iter().map(unknown).collect();
+        let count = places.len();
+        let mut blocks = vec![[0.0; 9]; count * count];
+        let mut rows = Rows::zeros(matter.unknown_count());
+        for (column, &place) in places.iter().enumerate() {
+            for axis in 0..3 {
+                rows.fill([0.0; 4]);
+                rows[place][axis] = 1.0;
+                solve(&mut rows);
+                for (row, &place) in places.iter().enumerate() {
+                    let to = &mut blocks[column * count + row][3 * axis..3 * axis + 3];
+                    for (to, value) in to.iter_mut().zip(rows[place]) {
+                        *to = value as f32;
+                    }
+                }
+            }
+        }
+        let mut all = Self { count, blocks };
+        all.make_symmetric();
+        all
+    }
+
+    /// The same in all directions: `columns` (surface × unknowns), m/N.
+    pub fn of_scalars(matter: &Matter, columns: &[f64]) -> Self {
+        let count = matter.surface.len();
+        let n = matter.unknown_count();
+        let block = |column: usize, &row: &u32| {
+            let value = columns[column * n + matter.unknown[row as usize] as usize] as f32;
+            [value, 0.0, 0.0, 0.0, value, 0.0, 0.0, 0.0, value]
+        };
+        let rows = |column: usize| matter.surface.iter().map(move |row| block(column, row));
+        let mut all = Self {
+            count,
+            blocks: (0..count).flat_map(rows).collect(),
+        };
+        all.make_symmetric();
+        all
+    }
+
+    /// Rounding of the factor is not symmetric.
+    fn make_symmetric(&mut self) {
+        for a in 0..self.count {
+            for b in 0..=a {
+                let (there, back) = (a * self.count + b, b * self.count + a);
+                for row in 0..3 {
+                    for column in 0..3 {
+                        let (i, j) = (3 * column + row, 3 * row + column);
+                        let mean = 0.5 * (self.blocks[there][i] + self.blocks[back][j]);
+                        (self.blocks[there][i], self.blocks[back][j]) = (mean, mean);
+                    }
+                }
+            }
+        }
+    }
+
+    /// How forces on one coordinate (by its place in [`Matter::surface`]) move all of them.
+    #[inline]
+    pub fn column(&self, column: usize) -> &[[f32; 9]] {
+        &self.blocks[column * self.count..(column + 1) * self.count]
+    }
+
+    /// Bytes of the blocks.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.blocks.as_slice())
+    }
+}
