@@ -1,7 +1,7 @@
 //! A body that deforms: its surface gives way as its implicit step does.
 
 use super::body::{BodyScratch, BodyState, DeformingScratch, Of, box_of};
-use super::contract::{Around, Begun, Ended, Party, Problem, direction};
+use super::contract::{Around, Begun, Ended, Party, Problem};
 use super::pipeline::Pipeline;
 use crate::body::{DeformableState, FallBack, Field};
 use crate::scene::{Body, DeformingBody};
@@ -96,63 +96,16 @@ impl Party for Of<'_, &DeformingBody> {
     }
 
     fn respond(&self, _: &BodyState, scratch: &BodyScratch, problem: &mut Problem<'_>) {
-        let Some(deforming) = &scratch.deforming else {
-            return;
-        };
-        let deformable = &self.kind.deformable;
-        let Problem {
-            rows,
-            whole,
-            solver,
-        } = problem;
+        let Problem { rows, solver } = problem;
+        self.find_pairs(scratch, rows, rows.rows.iter().enumerate(), solver);
         let Solver {
-            problem, delassus, ..
+            matrix, delassus, ..
         } = &mut **solver;
-        delassus.clear();
-        for (i, row) in rows.rows.iter().enumerate() {
-            for (sign, side) in row.sides_on(self.index) {
-                let (controls, weights) = rows.weights_in(side);
-                let moving = controls.iter().zip(weights);
-                let moving = moving.filter_map(|(&control, &weight)| {
-                    let coordinate = deformable.coordinate_of_control(control as usize);
-                    Some((deformable.unknown(coordinate)?, coordinate, weight))
-                });
-                delassus.add(i, sign, moving);
-            }
-        }
-        delassus.respond(|coordinate| deformable.compliance_of(&deforming.deformable, coordinate));
         delassus.each_pair(|pair| {
             let [i, j] = pair.rows;
-            let entry = pair.compliance * direction(&rows.rows[i], &rows.rows[j], *whole);
-            problem.row_mut(i)[j] += entry;
-            if !pair.same {
-                problem.row_mut(j)[i] += entry;
-            }
+            matrix.add_isotropic(i, j, pair.of_rows());
         });
-        if !*whole {
-            self.respond_softly(scratch, rows, solver);
-        }
-    }
-
-    fn mode_count(&self) -> usize {
-        self.kind.deformable.mode_count()
-    }
-
-    fn give_modes(
-        &self,
-        scratch: &BodyScratch,
-        row: &Row,
-        first: usize,
-        problem: &mut Problem<'_>,
-    ) {
-        let Problem { rows, solver, .. } = problem;
-        if !self.modes_of_row(scratch, rows, row, solver) {
-            return;
-        }
-        let moves = solver.mode_moves.iter();
-        for (k, (moves, gain)) in moves.zip(self.kind.deformable.mode_gains()).enumerate() {
-            solver.friction.add_mode(first + k, *gain, moves);
-        }
+        self.respond_softly(scratch, rows, solver);
     }
 
     fn gives(
@@ -162,38 +115,16 @@ impl Party for Of<'_, &DeformingBody> {
         row: &Row,
         problem: &mut Problem<'_>,
     ) -> f64 {
-        let Problem { rows, solver, .. } = problem;
+        let Problem { rows, solver } = problem;
+        self.find_pairs(scratch, rows, std::iter::once((0, row)), solver);
         let mut sum = 0.0;
-        if self.modes_of_row(scratch, rows, row, solver) {
-            let moves = solver.mode_moves.iter();
-            sum += (moves.zip(self.kind.deformable.mode_gains()))
-                .map(|(moves, gain)| gain * moves.dot(&row.normal).powi(2))
-                .sum::<f64>();
-        }
-        let Some(deforming) = &scratch.deforming else {
-            return sum;
-        };
+        solver.delassus.each_pair(|pair| sum += pair.of_rows());
         let deformable = &self.kind.deformable;
-        for (sign_a, side_a) in row.sides_on(self.index) {
-            let (controls_a, weights_a) = rows.weights_in(side_a);
-            for (&a, weight_a) in controls_a.iter().zip(weights_a) {
-                let coordinate = deformable.coordinate_of_control(a as usize);
-                let Some(column) = deformable.compliance_of(&deforming.deformable, coordinate)
-                else {
-                    continue;
-                };
-                for (sign_b, side_b) in row.sides_on(self.index) {
-                    let (controls_b, weights_b) = rows.weights_in(side_b);
-                    for (&b, weight_b) in controls_b.iter().zip(weights_b) {
-                        let there = deformable.coordinate_of_control(b as usize);
-                        if let Some(unknown) = deformable.unknown(there) {
-                            sum += sign_a * sign_b * weight_a * weight_b * column[unknown];
-                        }
-                    }
-                }
-            }
-        }
-        sum
+        let moves = &mut solver.mode_moves[..deformable.mode_count()];
+        self.modes_of_row(scratch, rows, row, moves);
+        let softly = moves.iter().zip(deformable.mode_gains());
+        let softly = softly.map(|(moves, gain)| gain * moves.dot(&row.normal).powi(2));
+        sum + softly.sum::<f64>()
     }
 
     fn sweeps(&self, _: usize, _: &dyn Fn() -> bool) -> usize {
@@ -386,62 +317,73 @@ impl Of<'_, &DeformingBody> {
         self.kind.deformable.fall_back(&deforming.deformable)
     }
 
-    /// How each soft mode moves a row, into the solver's buffer; false if none does.
-    fn modes_of_row(
+    /// Lets the solver's Delassus operator know how sides of these rows move each other.
+    fn find_pairs<'r>(
         &self,
         scratch: &BodyScratch,
-        rows: &RowSet,
-        row: &Row,
+        set: &RowSet,
+        rows: impl Iterator<Item = (usize, &'r Row)>,
         solver: &mut Solver,
-    ) -> bool {
-        let deformable = &self.kind.deformable;
-        let Some(deforming) = scratch.deforming.as_ref() else {
-            return false;
+    ) {
+        let (deformable, delassus) = (&self.kind.deformable, &mut solver.delassus);
+        delassus.clear();
+        let Some(deforming) = &scratch.deforming else {
+            return;
         };
-        if deformable.mode_count() == 0 {
-            return false;
+        for (i, row) in rows {
+            for (sign, side) in row.sides_on(self.index) {
+                let (controls, weights) = set.weights_in(side);
+                let moving = controls.iter().zip(weights);
+                let moving = moving.filter_map(|(&control, &weight)| {
+                    let coordinate = deformable.coordinate_of_control(control as usize);
+                    Some((deformable.unknown(coordinate)?, coordinate, weight))
+                });
+                delassus.add(i, sign, moving);
+            }
         }
-        let moves = &mut solver.mode_moves[..deformable.mode_count()];
+        delassus.respond(|coordinate| deformable.compliance_of(&deforming.deformable, coordinate));
+    }
+
+    /// How each soft mode moves a row.
+    fn modes_of_row(&self, scratch: &BodyScratch, set: &RowSet, row: &Row, moves: &mut [Vector3]) {
+        let deformable = &self.kind.deformable;
         moves.fill(Vector3::zeros());
-        let mut any = false;
+        let Some(deforming) = scratch.deforming.as_ref() else {
+            return;
+        };
         for (sign, side) in row.sides_on(self.index) {
-            any = true;
-            let (controls, weights) = rows.weights_in(side);
+            let (controls, weights) = set.weights_in(side);
             for (&control, &weight) in controls.iter().zip(weights) {
                 let coordinate = deformable.coordinate_of_control(control as usize);
                 deformable.add_modes(&deforming.deformable, coordinate, sign * weight, moves);
             }
         }
-        any
     }
 
-    /// Adds what soft modes move rows along their normals.
-    fn respond_softly(&self, scratch: &BodyScratch, rows: &RowSet, solver: &mut Solver) {
-        let deformable = &self.kind.deformable;
-        let (modes, count) = (deformable.mode_count(), rows.rows.len());
-        if modes == 0 {
+    /// Adds what soft modes move rows.
+    fn respond_softly(&self, scratch: &BodyScratch, set: &RowSet, solver: &mut Solver) {
+        let Solver {
+            matrix, mode_moves, ..
+        } = solver;
+        let gains = self.kind.deformable.mode_gains();
+        if gains.is_empty() {
             return;
         }
-        for (i, row) in rows.rows.iter().enumerate() {
-            let moved = self.modes_of_row(scratch, rows, row, solver);
-            let along = &mut solver.modes_along[i * modes..(i + 1) * modes];
-            for (along, moves) in along.iter_mut().zip(&solver.mode_moves) {
-                *along = if moved { moves.dot(&row.normal) } else { 0.0 };
-            }
+        let of_rows = mode_moves.chunks_exact_mut(gains.len());
+        for (row, moves) in set.rows.iter().zip(of_rows) {
+            self.modes_of_row(scratch, set, row, moves);
         }
-        let gains = deformable.mode_gains();
-        for i in 0..count {
-            let first = &solver.modes_along[i * modes..(i + 1) * modes];
-            for j in 0..=i {
-                let second = &solver.modes_along[j * modes..(j + 1) * modes];
-                let mut entry = 0.0;
-                for ((a, b), gain) in first.iter().zip(second).zip(gains) {
-                    entry += a * b * gain;
-                }
-                solver.problem.row_mut(i)[j] += entry;
-                if i != j {
-                    solver.problem.row_mut(j)[i] += entry;
-                }
+        let own = |row: &Row| row.sides_on(self.index).next().is_some();
+        let of_rows = || {
+            let moves = mode_moves.chunks_exact(gains.len());
+            let rows = set.rows.iter().zip(moves).enumerate();
+            rows.filter_map(|(i, (row, moves))| own(row).then_some((i, moves)))
+        };
+        for (i, a) in of_rows() {
+            for (j, b) in of_rows().take_while(|(j, _)| *j <= i) {
+                let modes = a.iter().zip(b).zip(gains);
+                let block = modes.map(|((a, b), gain)| a * (b * *gain).transpose());
+                matrix.add(i, j, &block.sum());
             }
         }
     }

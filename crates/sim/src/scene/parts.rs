@@ -62,11 +62,6 @@ impl Body {
         self.deforming().is_some()
     }
 
-    /// Soft modes give way beside its surface.
-    pub fn has_soft_modes(&self) -> bool {
-        (self.deforming()).is_some_and(|model| model.deformable.mode_count() > 0)
-    }
-
     /// It gives way to nothing: it is rigid, and no force moves it.
     pub fn is_firm(&self) -> bool {
         !self.is_soft() && !self.mover.as_ref().is_some_and(Mover::gives_way)

@@ -206,6 +206,14 @@ pub struct PairOfSides {
     pub compliance: f64,
 }
 
+impl PairOfSides {
+    /// What the pair adds to what its rows do to each other: two sides of one row move each other both ways.
+    pub fn of_rows(&self) -> f64 {
+        let both = self.rows[0] == self.rows[1] && !self.same;
+        self.compliance * if both { 2.0 } else { 1.0 }
+    }
+}
+
 /// y += w x.
 fn add_scaled(to: &mut [Lane], x: &[Lane], weight: f64) {
     #[cfg(target_arch = "x86_64")]

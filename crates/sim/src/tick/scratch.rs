@@ -9,8 +9,9 @@ use crate::solve::complementarity::Complementarity;
 use crate::solve::delassus::Delassus;
 use crate::solve::friction::FrictionProblem;
 use crate::solve::indentation::{Indentation, Touch};
+use crate::solve::matrix::ContactMatrix;
 use crate::solve::rows::{MAX_ROWS_PER_PAIR, RowSet, SampleInTouch};
-use crate::solve::solver::{MANY_ROWS, Solver, TURNS};
+use crate::solve::solver::Solver;
 use palpate_geometry::contact::dispatch::Narrow;
 use palpate_geometry::contact::spheres::Counters;
 use palpate_geometry::math::Vector3;
@@ -100,17 +101,9 @@ impl Scene {
             .max()
             .unwrap_or(0);
         let frictional = self.pairs.iter().any(|pair| pair.friction.is_some());
-        let modes = deformables().map(|body| body.mode_count());
-        let (soft_modes, most_modes) = modes.fold((0, 0), |(sum, most), m| (sum + m, most.max(m)));
-        let many = soft_modes > 0 && most_rows > MANY_ROWS;
-        let free = (0..self.body_count()).filter(|&body| self.is_free(body));
-        let turns = TURNS * free.count();
+        let most_modes = deformables().map(|body| body.mode_count()).max();
         let grips = self.tools.iter().any(|tool| tool.grip_n > 0.0);
-        let frictional_rows = if frictional || grips || many {
-            most_rows
-        } else {
-            0
-        };
+        let frictional_rows = if frictional || grips { most_rows } else { 0 };
         let mut scratch = Scratch {
             tools: self.tool_parties().map(|tool| tool.scratch()).collect(),
             bodies: self.parties().map(|body| body.scratch()).collect(),
@@ -120,20 +113,15 @@ impl Scene {
             rows: RowSet::new(most_rows, width),
             hits: Vec::with_capacity(MAX_ROWS_PER_PAIR),
             solver: Solver {
+                matrix: ContactMatrix::new(most_rows, frictional_rows),
                 problem: Complementarity::new(most_rows),
-                friction: FrictionProblem::new(
-                    frictional_rows,
-                    self.tools.len(),
-                    soft_modes + turns + self.pairs.len(),
-                    2 * most_modes.max(turns.min(TURNS)) + 1,
-                ),
+                friction: FrictionProblem::new(frictional_rows),
                 sticks: Vec::with_capacity(frictional_rows),
                 cones: Vec::with_capacity(frictional_rows),
                 shares: Vec::with_capacity(most_rows),
                 barriers: Vec::with_capacity(most_rows),
                 delassus: Delassus::new(2 * most_rows, width, unknowns, surface),
-                mode_moves: vec![Vector3::zeros(); most_modes],
-                modes_along: vec![0.0; most_rows.min(MANY_ROWS) * most_modes],
+                mode_moves: vec![Vector3::zeros(); most_rows * most_modes.unwrap_or(0)],
                 touches: vec![Touch::default(); self.pairs.len()],
                 indentations: vec![Indentation::default(); self.pairs.len()],
             },
