@@ -145,10 +145,15 @@ impl Gives {
         place - self.centre
     }
 
-    /// What a force at one row does at another, m/N: dt² / m, and by turning it dt² (I⁻¹ (r_b × f)) × r_a.
-    pub(crate) fn block(&self, a: &Row, b: &Row) -> Matrix3 {
-        let [a, b] = [a, b].map(|row| self.arm(row).cross_matrix());
-        Matrix3::from_diagonal_element(self.shift_m_n) - a * self.turn_rad_nm * b
+    /// How a moment moves a row by turning the body: (dt² I⁻¹ moment) × r, 1/N.
+    pub(crate) fn turned(&self, row: &Row) -> Matrix3 {
+        self.arm(row).cross_matrix().transpose() * self.turn_rad_nm
+    }
+
+    /// What a force at row b does at a row that is [turned](Gives::turned) like this, m/N: dt² / m, and by turning
+    /// the body dt² (I⁻¹ (r_b × f)) × r_a.
+    pub(crate) fn block(&self, turned: &Matrix3, b: &Row) -> Matrix3 {
+        Matrix3::from_diagonal_element(self.shift_m_n) + turned * self.arm(b).cross_matrix()
     }
 
     /// A point of the world, from the centre of mass in the principal axes, m.

@@ -76,9 +76,10 @@ impl Party for Of<'_, Freed<'_>> {
         let Problem { rows, solver } = problem;
         for (i, a) in rows.rows.iter().enumerate() {
             for (sign_a, _) in a.sides_on(self.index) {
+                let turned = gives.turned(a);
                 for (j, b) in rows.rows.iter().enumerate().take(i + 1) {
                     for (sign_b, _) in b.sides_on(self.index) {
-                        let block = gives.block(a, b) * (sign_a * sign_b);
+                        let block = gives.block(&turned, b) * (sign_a * sign_b);
                         solver.matrix.add(i, j, &block);
                     }
                 }
@@ -88,7 +89,8 @@ impl Party for Of<'_, Freed<'_>> {
 
     fn gives(&self, _: &BodyState, scratch: &BodyScratch, row: &Row, _: &mut Problem<'_>) -> f64 {
         scratch.gives().map_or(0.0, |gives| {
-            let alone = row.normal.dot(&(gives.block(row, row) * row.normal));
+            let block = gives.block(&gives.turned(row), row);
+            let alone = row.normal.dot(&(block * row.normal));
             let signs: f64 = row.sides_on(self.index).map(|(sign, _)| sign).sum();
             alone * signs.powi(2)
         })

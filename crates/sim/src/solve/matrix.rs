@@ -57,9 +57,18 @@ impl ContactMatrix {
             let along = self.normals[i].dot(&(block * self.normals[j]));
             return self.add_along(i, j, along);
         }
+        self.add_block(i, j, block);
+        if i != j {
+            self.add_block(j, i, &block.transpose());
+        }
+    }
+
+    fn add_block(&mut self, i: usize, j: usize, block: &Matrix3) {
+        let size = self.size();
         for a in 0..3 {
+            let entries = &mut self.entries[(3 * i + a) * size + 3 * j..][..3];
             for b in 0..3 {
-                self.add_entry((i, a), (j, b), block[(a, b)]);
+                entries[b] += block[(a, b)];
             }
         }
     }
