@@ -57,10 +57,10 @@ pub(crate) fn touch(
     };
 }
 
-/// Finds how far balls go in, once it is known how the rows give way, and lets their gaps know.
+/// Finds how far balls go in, once it is known how the rows give way, and lets their gaps and the matrix know.
 pub(crate) fn settle(rows: &mut RowSet, solver: &mut Solver) {
     let Solver {
-        problem,
+        matrix,
         touches,
         indentations,
         ..
@@ -76,12 +76,22 @@ pub(crate) fn settle(rows: &mut RowSet, solver: &mut Solver) {
         let Some((i, row)) = deepest.filter(|_| touches[p].radius_m > 0.0) else {
             continue;
         };
-        let own = problem.entry(first + i, first + i);
+        let own = matrix.along(first + i);
         let dent = touches[p].indentation(-row.gap_m, own);
         for row in of_pair.iter_mut().filter(|row| !row.id.key.is_anchor()) {
             row.gap_m += dent.offset_m * row.normal.dot(&dent.normal);
         }
         indentations[p] = dent;
+        if dent.slope_m_n == 0.0 {
+            continue;
+        }
+        let block = dent.normal * dent.normal.transpose() * dent.slope_m_n;
+        let pushes = |i: &usize| !of_pair[*i].id.key.is_anchor();
+        for i in (0..of_pair.len()).filter(pushes) {
+            for j in (0..=i).filter(pushes) {
+                matrix.add(first + i, first + j, &block);
+            }
+        }
     }
 }
 

@@ -24,8 +24,6 @@ pub(crate) struct Around<'a> {
 /// The contact problem of a tick, as parties see it.
 pub(crate) struct Problem<'a> {
     pub rows: &'a RowSet,
-    /// Forces have three components, and what only their normals would see is left to modes.
-    pub whole: bool,
     pub solver: &'a mut Solver,
 }
 
@@ -64,21 +62,6 @@ pub(crate) trait Party {
 
     /// Solve: adds to the matrix how forces on its rows move them.
     fn respond(&self, _state: &Self::State, _scratch: &Self::Scratch, _problem: &mut Problem<'_>) {}
-
-    /// Modes that stand beside the matrix where forces have three components.
-    fn mode_count(&self) -> usize {
-        0
-    }
-
-    /// Gives the row just added to the friction problem those modes, numbered from `first`.
-    fn give_modes(
-        &self,
-        _scratch: &Self::Scratch,
-        _row: &Row,
-        _first: usize,
-        _problem: &mut Problem<'_>,
-    ) {
-    }
 
     /// How far it gives way along a row's normal under a force of that row alone, m/N: from the party alone, beside
     /// the matrix.
@@ -214,9 +197,4 @@ pub(crate) struct Ended {
     pub residual_n: Option<f64>,
     /// Norm of the contact forces, N.
     pub contact_n: f64,
-}
-
-/// How much a force of one row moves another, in terms of what their places give way.
-pub(super) fn direction(a: &Row, b: &Row, whole: bool) -> f64 {
-    if whole { 1.0 } else { a.normal.dot(&b.normal) }
 }

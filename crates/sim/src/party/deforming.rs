@@ -11,7 +11,7 @@ use crate::solve::rows::{DeformingView, Row, RowSet};
 use crate::solve::solver::Solver;
 use crate::tick::quality;
 use crate::tick::record::TickFault;
-use palpate_geometry::math::{Point3, Vector3};
+use palpate_geometry::math::{Matrix3, Point3, Vector3};
 
 /// A body as rows see it, when it deforms.
 pub(crate) fn view<'a>(body: &'a Body, parts: &'a BodyScratch) -> Option<DeformingView<'a>> {
@@ -113,30 +113,30 @@ impl Party for Of<'_, &DeformingBody> {
     }
 
     fn respond(&self, _: &BodyState, scratch: &BodyScratch, problem: &mut Problem<'_>) {
-        let Problem {
-            rows,
-            whole,
-            solver,
-        } = problem;
+        let Problem { rows, solver } = problem;
         let Solver {
-            problem, delassus, ..
+            matrix, delassus, ..
         } = &mut **solver;
+        let Some(compliance) = self.compliance(scratch) else {
+            return;
+        };
         self.gather(rows, delassus);
-        let compliance = self.compliance(scratch);
-        let Some(compliance) = compliance else { return };
         let normal_of = |row: usize| rows.rows[row].normal;
-        let normal_of: &dyn Fn(usize) -> Vector3 = &normal_of;
-        let smooth = (!*whole).then_some(normal_of);
-        delassus.each_pair(&compliance, smooth, |pair| {
+        if matrix.is_whole() {
+            delassus.each_pair(&compliance, None, |pair| {
+                let [i, j] = pair.rows;
+                let block = Matrix3::from_columns(&pair.moved);
+                match i == j && !pair.same {
+                    true => matrix.add(i, i, &(block + block.transpose())),
+                    false => matrix.add(i, j, &block),
+                }
+            });
+            return;
+        }
+        delassus.each_pair(&compliance, Some(&normal_of), |pair| {
             let [i, j] = pair.rows;
-            let entry = match *whole {
-                false => pair.moved[0].dot(&rows.rows[i].normal),
-                true => (pair.moved[0].x + pair.moved[1].y + pair.moved[2].z) / 3.0,
-            };
-            problem.row_mut(i)[j] += entry;
-            if !pair.same {
-                problem.row_mut(j)[i] += entry;
-            }
+            let twice = if i == j && !pair.same { 2.0 } else { 1.0 };
+            matrix.add_along(i, j, twice * pair.moved[0].dot(&normal_of(i)));
         });
     }
 
@@ -163,7 +163,7 @@ impl Party for Of<'_, &DeformingBody> {
         row: &Row,
         problem: &mut Problem<'_>,
     ) -> f64 {
-        let Problem { rows, solver, .. } = problem;
+        let Problem { rows, solver } = problem;
         let Some(compliance) = self.compliance(scratch) else {
             return 0.0;
         };

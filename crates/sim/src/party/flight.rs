@@ -2,7 +2,7 @@
 
 use crate::scene::{Free, Mass};
 use crate::solve::rows::Row;
-use palpate_geometry::math::{Point3, Rotation, Vector3};
+use palpate_geometry::math::{Matrix3, Point3, Rotation, Vector3};
 use palpate_geometry::stateful;
 
 /// Ticks after which a body that is slow is at rest.
@@ -116,23 +116,22 @@ pub(crate) struct Gives {
     centre: Point3,
     /// From its principal axes to the world.
     rotation: Rotation,
-    /// The principal axes, in the world.
-    axes: [Vector3; 3],
     /// dt² / m, m/N.
-    pub shift_m_n: f64,
-    /// dt² / I about each axis, rad/(N·m).
-    pub turn_rad_nm: [f64; 3],
+    shift_m_n: f64,
+    /// dt² I⁻¹ in the world, rad/(N·m).
+    turn_rad_nm: Matrix3,
 }
 
 impl Gives {
     pub(crate) fn new(mass: &Mass, position: &Point3, rotation: &Rotation, dt_s: f64) -> Self {
         debug_assert!(mass.mass_kg > 0.0, "a body without mass");
+        let gains = Vector3::from(mass.moments_kg_m2.map(|moment| dt_s * dt_s / moment));
+        let axes = rotation.to_rotation_matrix().into_inner();
         Self {
             centre: *position,
             rotation: *rotation,
-            axes: [0, 1, 2].map(|k| rotation * Vector3::ith(k, 1.0)),
             shift_m_n: dt_s * dt_s / mass.mass_kg,
-            turn_rad_nm: mass.moments_kg_m2.map(|moment| dt_s * dt_s / moment),
+            turn_rad_nm: axes * Matrix3::from_diagonal(&gains) * axes.transpose(),
         }
     }
 
@@ -146,17 +145,15 @@ impl Gives {
         place - self.centre
     }
 
-    /// How a moment turns it, rad.
-    pub(crate) fn turned(&self, moment: &Vector3) -> Vector3 {
-        let parts = self.axes.iter().zip(&self.turn_rad_nm);
-        parts
-            .map(|(axis, gain)| axis * (gain * axis.dot(moment)))
-            .sum()
+    /// How a moment moves a row by turning the body: (dt² I⁻¹ moment) × r, 1/N.
+    pub(crate) fn turned(&self, row: &Row) -> Matrix3 {
+        self.arm(row).cross_matrix().transpose() * self.turn_rad_nm
     }
 
-    /// How a turn by one rad about each of its axes moves a point at an arm, m.
-    pub(crate) fn moves(&self, arm: &Vector3) -> [Vector3; 3] {
-        self.axes.map(|axis| axis.cross(arm))
+    /// What a force at row b does at a row that is [turned](Gives::turned) like this, m/N: dt² / m, and by turning
+    /// the body dt² (I⁻¹ (r_b × f)) × r_a.
+    pub(crate) fn block(&self, turned: &Matrix3, b: &Row) -> Matrix3 {
+        Matrix3::from_diagonal_element(self.shift_m_n) + turned * self.arm(b).cross_matrix()
     }
 
     /// A point of the world, from the centre of mass in the principal axes, m.

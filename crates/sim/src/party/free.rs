@@ -10,7 +10,7 @@
 //! (Moreau 1988): then they part with that share of it. Angular momentum in the world changes by moments alone, so that in flight it keeps its bits.
 
 use super::body::{BodyScratch, BodyState, Of};
-use super::contract::{Around, Party, Problem, direction};
+use super::contract::{Around, Party, Problem};
 use super::flight::{Flight, Gives, RigidMotion};
 use super::moved::{arrive, buffers, go, net, prepare, starting, stay};
 use super::pipeline::Pipeline;
@@ -18,7 +18,6 @@ use super::rigid::{Course, RigidState, Turn};
 use crate::body::Field;
 use crate::scene::{Free, Mover};
 use crate::solve::rows::{Row, RowSet};
-use crate::solve::solver::TURNS;
 use crate::tick::record::TickFault;
 use palpate_geometry::math::{Point3, Vector3, turn_between};
 
@@ -74,57 +73,24 @@ impl Party for Of<'_, Freed<'_>> {
         let Some(gives) = scratch.gives() else {
             return;
         };
-        let (rows, whole) = (&problem.rows.rows, problem.whole);
-        let problem = &mut problem.solver.problem;
-        for (i, a) in rows.iter().enumerate() {
+        let Problem { rows, solver } = problem;
+        for (i, a) in rows.rows.iter().enumerate() {
             for (sign_a, _) in a.sides_on(self.index) {
-                let turn = match whole {
-                    true => Vector3::zeros(),
-                    false => gives.turned(&gives.arm(a).cross(&a.normal)),
-                };
-                for (j, b) in rows.iter().enumerate().take(i + 1) {
+                let turned = gives.turned(a);
+                for (j, b) in rows.rows.iter().enumerate().take(i + 1) {
                     for (sign_b, _) in b.sides_on(self.index) {
-                        let mut entry = gives.shift_m_n * direction(a, b, whole);
-                        if !whole {
-                            entry += turn.dot(&gives.arm(b).cross(&b.normal));
-                        }
-                        entry *= sign_a * sign_b;
-                        problem.row_mut(i)[j] += entry;
-                        if i != j {
-                            problem.row_mut(j)[i] += entry;
-                        }
+                        let block = gives.block(&turned, b) * (sign_a * sign_b);
+                        solver.matrix.add(i, j, &block);
                     }
                 }
             }
         }
     }
 
-    fn mode_count(&self) -> usize {
-        TURNS
-    }
-
-    fn give_modes(
-        &self,
-        scratch: &BodyScratch,
-        row: &Row,
-        first: usize,
-        problem: &mut Problem<'_>,
-    ) {
-        let Some(gives) = scratch.gives() else {
-            return;
-        };
-        for (sign, _) in row.sides_on(self.index) {
-            let moves = gives.moves(&gives.arm(row));
-            for (k, (moves, gain)) in moves.iter().zip(gives.turn_rad_nm).enumerate() {
-                (problem.solver.friction).add_turn(first + k, gain, &(moves * sign));
-            }
-        }
-    }
-
     fn gives(&self, _: &BodyState, scratch: &BodyScratch, row: &Row, _: &mut Problem<'_>) -> f64 {
         scratch.gives().map_or(0.0, |gives| {
-            let turning = gives.arm(row).cross(&row.normal);
-            let alone = gives.shift_m_n + gives.turned(&turning).dot(&turning);
+            let block = gives.block(&gives.turned(row), row);
+            let alone = row.normal.dot(&(block * row.normal));
             let signs: f64 = row.sides_on(self.index).map(|(sign, _)| sign).sum();
             alone * signs.powi(2)
         })

@@ -1,6 +1,6 @@
 //! A tool on its virtual coupling: free motion takes it to its device, contact holds it back.
 
-use super::contract::{Around, Party, Problem, direction};
+use super::contract::{Around, Party, Problem};
 use super::pipeline::Pipeline;
 use super::tool::{ToolScratch, ToolState};
 use crate::haptics::{Coupling, DeviceBounds, Link, Port, RenderedForce, limit};
@@ -11,7 +11,7 @@ use crate::solve::rows::{Row, RowSet};
 use crate::solve::solver::Solver;
 use crate::tick::record::TickFault;
 use palpate_geometry::contact::dispatch::Method;
-use palpate_geometry::math::{Point3, Vector3, rotation_by};
+use palpate_geometry::math::{Matrix3, Point3, Vector3, rotation_by};
 
 /// Enough for a corner of three planes: rows on rigid bodies are few.
 const SWEEPS: usize = 50;
@@ -59,23 +59,14 @@ impl Party for OnCoupling<'_> {
     }
 
     fn respond(&self, state: &ToolState, _: &ToolScratch, problem: &mut Problem<'_>) {
-        let Problem {
-            rows,
-            whole,
-            solver,
-        } = problem;
+        let Problem { rows, solver } = problem;
         let coupling = self.coupling(state);
-        let (compliance, turning) = (
-            coupling.compliance_m_n(),
-            coupling.turning_compliance_rad_nm(),
-        );
         for (i, a) in self.own(rows) {
-            let twist = a.arm.cross(&a.normal) * turning;
-            let moved = solver.problem.row_mut(i);
-            for (j, b) in self.own(rows) {
-                moved[j] = compliance * direction(a, b, *whole);
-                if turning > 0.0 && !*whole {
-                    moved[j] += twist.dot(&b.arm.cross(&b.normal));
+            for (j, b) in self.own(rows).take_while(|(j, _)| *j <= i) {
+                let m_per_n = coupling.compliance_m_n();
+                solver.matrix.add_isotropic(i, j, m_per_n);
+                if coupling.turns() {
+                    solver.matrix.add(i, j, &by_turn(&coupling, a, b));
                 }
             }
         }
@@ -86,8 +77,8 @@ impl Party for OnCoupling<'_> {
             return 0.0;
         }
         let coupling = self.coupling(state);
-        let turning = row.arm.cross(&row.normal).norm_squared();
-        coupling.compliance_m_n() + turning * coupling.turning_compliance_rad_nm()
+        let turning = by_turn(&coupling, row, row) * row.normal;
+        coupling.compliance_m_n() + row.normal.dot(&turning)
     }
 
     fn sweeps(&self, _: usize, _: &dyn Fn() -> bool) -> usize {
@@ -215,6 +206,12 @@ impl OnCoupling<'_> {
             .map(|(i, row)| (row.point - centre).cross(&turns(i, row)));
         (force, torques.sum())
     }
+}
+
+/// What a force at one row of a tool does at another by turning the tool: C (r_b × f) × r_a.
+fn by_turn(coupling: &Coupling, a: &Row, b: &Row) -> Matrix3 {
+    let outer = b.arm * a.arm.transpose();
+    (Matrix3::from_diagonal_element(outer.trace()) - outer) * coupling.turning_compliance_rad_nm()
 }
 
 /// What torque the device bears now, N·m: it ramps as its force does.

@@ -131,10 +131,9 @@ fn explain_row(balance: &mut Balance<'_>, i: usize) -> RowExplained {
     let compliance = compliance(balance, &row);
     let (scene, solver) = (balance.scene, &*balance.solver);
     let whole = solver.is_whole();
-    // With friction, turns, soft modes and near fields are kept beside the matrix.
-    let solved = solver.problem.entry(i, i);
+    let solved = solver.matrix.along(i);
     debug_assert!(
-        whole || (compliance.sum - solved).abs() <= 1e-9 * solved,
+        (compliance.sum - solved).abs() <= 1e-9 * solved,
         "row {i}: the parties give way by {} m/N, the solve by {solved}",
         compliance.sum
     );
@@ -184,11 +183,7 @@ fn compliance(balance: &mut Balance<'_>, row: &Row) -> ComplianceExplained {
         solver,
         ..
     } = balance;
-    let problem = &mut Problem {
-        rows,
-        whole: solver.is_whole(),
-        solver,
-    };
+    let problem = &mut Problem { rows, solver };
     for (t, tool) in scene.tool_parties().enumerate() {
         let m_per_n = tool.gives(&tools[t], &tool_parts[t], row, problem);
         add(format!("tool:{}", scene.tool_id(t)), m_per_n);

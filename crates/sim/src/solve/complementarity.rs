@@ -1,20 +1,18 @@
 //! Contact forces as a linear complementarity problem: λ ≥ 0, D λ + gap ≥ 0, λᵀ(D λ + gap) = 0.
 //!
-//! Projected Gauss–Seidel with a fixed number of sweeps and a warm start. D is the Delassus matrix:
-//! what a unit force on one row moves another. It is positive semidefinite, so the gap after any
+//! Projected Gauss–Seidel with a fixed number of sweeps and a warm start. D, the Delassus matrix of forces
+//! along the normals, is positive semidefinite, so the gap after any
 //! number of sweeps shrinks towards feasible and the sum of forces settles long before their
 //! distribution over close rows does. Gaps are kept up to date with every change of a force, so
 //! that rows that stay free cost nothing.
 
+use super::matrix::ContactMatrix;
 use palpate_geometry::math::simd;
 
 /// Buffers for up to `capacity` rows.
 #[derive(Clone, Debug)]
 pub struct Complementarity {
-    capacity: usize,
     len: usize,
-    /// (len × len) within (capacity × capacity), row by row, m/N.
-    delassus: Vec<f64>,
     /// (len), m.
     gap: Vec<f64>,
     /// (len), N.
@@ -27,37 +25,18 @@ impl Complementarity {
     /// Room for `capacity` rows.
     pub fn new(capacity: usize) -> Self {
         Self {
-            capacity,
             len: 0,
-            delassus: vec![0.0; capacity * capacity],
             gap: vec![0.0; capacity],
             force: vec![0.0; capacity],
             under: vec![0.0; capacity],
         }
     }
 
-    /// Starts a problem of `len` rows with zero matrix and forces.
+    /// Starts a problem of `len` rows without forces.
     pub fn begin(&mut self, len: usize) {
-        debug_assert!(len <= self.capacity, "more rows than room");
+        debug_assert!(len <= self.force.len(), "more rows than room");
         self.len = len;
-        self.delassus[..len * len].fill(0.0);
         self.force[..len].fill(0.0);
-    }
-
-    /// Row i of D, to be filled.
-    pub fn row_mut(&mut self, i: usize) -> &mut [f64] {
-        &mut self.delassus[i * self.len..(i + 1) * self.len]
-    }
-
-    /// D_ij.
-    pub fn entry(&self, i: usize, j: usize) -> f64 {
-        debug_assert!(i < self.len && j < self.len, "no such row");
-        self.delassus[i * self.len + j]
-    }
-
-    /// D, row by row (len × len).
-    pub fn matrix(&self) -> &[f64] {
-        &self.delassus[..self.len * self.len]
     }
 
     /// Sets the gap of a row and where its force starts from.
@@ -69,38 +48,35 @@ impl Complementarity {
 
     /// Runs `sweeps` sweeps, or until one changes nothing; forces are then in
     /// [`Complementarity::forces`].
-    pub fn solve(&mut self, sweeps: usize) {
+    pub fn solve(&mut self, matrix: &ContactMatrix, sweeps: usize) {
         debug_assert!(sweeps > 0, "a solve of no sweeps");
+        debug_assert_eq!(matrix.size(), self.len, "matrix and rows disagree");
         #[cfg(target_arch = "x86_64")]
         if simd::has_avx2() {
             // SAFETY: the processor has AVX2, asked just above.
             #[allow(unsafe_code)]
-            return unsafe { solve_wide(self, sweeps) };
+            return unsafe { solve_wide(self, matrix, sweeps) };
         }
-        self.sweep(sweeps);
+        self.sweep(matrix, sweeps);
     }
 
     #[inline(always)]
-    fn sweep(&mut self, sweeps: usize) {
+    fn sweep(&mut self, matrix: &ContactMatrix, sweeps: usize) {
         let n = self.len;
         let Self {
-            delassus,
-            gap,
-            force,
-            under,
-            ..
+            gap, force, under, ..
         } = self;
         let (force, under) = (&mut force[..n], &mut under[..n]);
         under.copy_from_slice(&gap[..n]);
-        for (row, &force) in delassus.chunks_exact(n.max(1)).zip(force.iter()) {
+        for (i, &force) in force.iter().enumerate() {
             if force != 0.0 {
-                add_scaled(under, row, force);
+                add_scaled(under, matrix.columns(i), force);
             }
         }
         for _ in 0..sweeps {
             let mut changed = false;
             for i in 0..n {
-                let row = &delassus[i * n..(i + 1) * n];
+                let row = matrix.columns(i);
                 let wish = force[i] - under[i] / row[i];
                 let next = if row[i] > 0.0 && wish > 0.0 {
                     wish
@@ -131,11 +107,9 @@ impl Complementarity {
     }
 
     /// Gap of row i under the present forces, m.
-    pub fn gap_after(&self, i: usize) -> f64 {
-        let row = &self.delassus[i * self.len..(i + 1) * self.len];
+    pub fn gap_after(&self, matrix: &ContactMatrix, i: usize) -> f64 {
         self.gap[i]
-            + row
-                .iter()
+            + (matrix.columns(i).iter())
                 .zip(self.forces())
                 .map(|(d, force)| d * force)
                 .sum::<f64>()
@@ -153,21 +127,32 @@ fn add_scaled(to: &mut [f64], x: &[f64], weight: f64) {
 /// The same code with 256-bit registers; nothing is fused, so the bits are the same.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn solve_wide(problem: &mut Complementarity, sweeps: usize) {
-    problem.sweep(sweeps);
+fn solve_wide(problem: &mut Complementarity, matrix: &ContactMatrix, sweeps: usize) {
+    problem.sweep(matrix, sweeps);
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use palpate_geometry::math::Vector3;
+
+    fn matrix(n: usize, entry: impl Fn(usize, usize) -> f64) -> ContactMatrix {
+        let mut matrix = ContactMatrix::new(n, 0);
+        matrix.begin((0..n).map(|_| Vector3::z()), false);
+        for i in 0..n {
+            for j in 0..=i {
+                matrix.add_along(i, j, entry(i, j));
+            }
+        }
+        matrix
+    }
 
     #[test]
     fn one_spring_gives_stiffness_times_depth() {
         let mut problem = Complementarity::new(4);
         problem.begin(1);
-        problem.row_mut(0)[0] = 1.0 / 500.0;
         problem.set(0, -0.002, 0.0);
-        problem.solve(1);
+        problem.solve(&matrix(1, |_, _| 1.0 / 500.0), 1);
         assert_eq!(problem.forces(), [1.0]);
     }
 
@@ -184,18 +169,16 @@ mod tests {
         let factor: Vec<f64> = (0..n * n).map(|_| random()).collect();
         let mut problem = Complementarity::new(n);
         problem.begin(n);
-        for i in 0..n {
-            for j in 0..n {
-                let dot: f64 = (0..n).map(|k| factor[i * n + k] * factor[j * n + k]).sum();
-                problem.row_mut(i)[j] = dot + if i == j { 0.3 } else { 0.0 };
-            }
-        }
+        let matrix = matrix(n, |i, j| {
+            let dot: f64 = (0..n).map(|k| factor[i * n + k] * factor[j * n + k]).sum();
+            dot + if i == j { 0.3 } else { 0.0 }
+        });
         for i in 0..n {
             problem.set(i, random(), 0.0);
         }
-        problem.solve(2_000);
+        problem.solve(&matrix, 2_000);
         for i in 0..n {
-            let (gap, force) = (problem.gap_after(i), problem.forces()[i]);
+            let (gap, force) = (problem.gap_after(&matrix, i), problem.forces()[i]);
             assert!(gap > -1e-12, "row {i} is violated by {gap}");
             assert!(
                 force >= 0.0 && (force * gap).abs() < 1e-12,
@@ -208,16 +191,12 @@ mod tests {
     fn what_nothing_can_move_bears_nothing_and_a_solution_stays() {
         let mut problem = Complementarity::new(3);
         problem.begin(3);
-        for (i, row) in [[2.0, 0.0, 0.5], [0.0, 0.0, 0.0], [0.5, 0.0, 1.0]]
-            .into_iter()
-            .enumerate()
-        {
-            problem.row_mut(i).copy_from_slice(&row);
-        }
+        let entries = [[2.0, 0.0, 0.5], [0.0, 0.0, 0.0], [0.5, 0.0, 1.0]];
+        let matrix = matrix(3, |i, j| entries[i][j]);
         for (i, gap) in [-1.0, -1.0, 0.3].into_iter().enumerate() {
             problem.set(i, gap, 5.0);
         }
-        problem.solve(100);
+        problem.solve(&matrix, 100);
         let forces = problem.forces().to_vec();
         assert!(
             (forces[0] - 0.5).abs() < 1e-15 && forces[1..] == [0.0, 0.0],
@@ -226,7 +205,7 @@ mod tests {
         for (i, gap) in [-1.0, -1.0, 0.3].into_iter().enumerate() {
             problem.set(i, gap, forces[i]);
         }
-        problem.solve(1);
+        problem.solve(&matrix, 1);
         assert_eq!(problem.forces(), forces);
     }
 
@@ -239,19 +218,18 @@ mod tests {
         let n = 11;
         let mut slow = Complementarity::new(n);
         slow.begin(n);
+        let matrix = matrix(n, |i, j| {
+            1.0 / (1.0 + (i as f64 - j as f64).abs()) + if i == j { 0.5 } else { 0.0 }
+        });
         for i in 0..n {
-            for j in 0..n {
-                slow.row_mut(i)[j] =
-                    1.0 / (1.0 + (i as f64 - j as f64).abs()) + if i == j { 0.5 } else { 0.0 };
-            }
             slow.set(i, libm::sin(3.0 * i as f64) - 0.4, 0.1);
         }
         let mut fast = slow.clone();
-        slow.sweep(7);
+        slow.sweep(&matrix, 7);
         // SAFETY: asked just above.
         #[allow(unsafe_code)]
         unsafe {
-            solve_wide(&mut fast, 7);
+            solve_wide(&mut fast, &matrix, 7);
         }
         assert_eq!(slow.forces(), fast.forces());
     }

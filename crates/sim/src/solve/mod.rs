@@ -4,7 +4,8 @@
 //! proxy             a sphere held back by the surface as it stands
 //! side              on which side of an open surface a point is
 //! rows              a unilateral row for each contact, and for each surface sample inside the other party
-//! delassus          D = C A⁻¹ Cᵀ: how each row's force moves every other
+//! delassus          C A⁻¹ Cᵀ: how the rows on one body move each other through it
+//! matrix            D: how each row's force moves every other through all that gives way
 //! complementarity   forces λ ≥ 0 with D λ + gap ≥ 0, by projected Gauss–Seidel
 //! friction          the same for forces with three components: Coulomb's cone, grips
 //! grip              what a tool holds on to while it grabs
@@ -20,6 +21,7 @@ pub mod friction;
 pub mod grip;
 pub mod hold;
 pub mod indentation;
+pub mod matrix;
 pub mod proxy;
 pub mod row_key;
 pub mod rows;

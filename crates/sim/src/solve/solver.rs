@@ -1,4 +1,4 @@
-//! The solve of a tick: its two problems, of which one is in use, and their buffers.
+//! The solve of a tick: its matrix, the two problems on it, of which one is in use, and their buffers.
 
 use super::complementarity::Complementarity;
 use super::cones::ConeShare;
@@ -6,16 +6,16 @@ use super::delassus::Delassus;
 use super::friction::{FrictionProblem, Stick};
 use super::hold::Barrier;
 use super::indentation::{Indentation, Touch};
+use super::matrix::ContactMatrix;
 use super::rows::Row;
 use super::sharing::Share;
 use palpate_geometry::math::Vector3;
 
-/// Turns of a free body.
-pub const TURNS: usize = 3;
-
 /// Contact forces of the rows of a tick, and what finds them.
 #[derive(Debug)]
 pub struct Solver {
+    /// How the rows move each other.
+    pub matrix: ContactMatrix,
     /// Forces along the normals.
     pub problem: Complementarity,
     /// Forces of three components: in use in ticks with friction or a grip.
@@ -39,7 +39,7 @@ pub struct Solver {
 impl Solver {
     /// Forces have three components in this tick.
     pub fn is_whole(&self) -> bool {
-        self.friction.is_active()
+        self.matrix.is_whole()
     }
 
     /// Force of a row on its holder, N.
@@ -76,7 +76,7 @@ impl Solver {
     pub fn gap_after(&self, i: usize) -> f64 {
         match self.is_whole() {
             true => self.friction.displaced_m(i).dot(&self.friction.normal(i)),
-            false => self.problem.gap_after(i),
+            false => self.problem.gap_after(&self.matrix, i),
         }
     }
 }

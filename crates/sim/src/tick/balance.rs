@@ -1,23 +1,16 @@
 //! Contact, virtual couplings and bodies solved together.
 //!
-//! Rows of one tool share the compliance of its coupling, rows on one body that of its surface:
-//! `D_ij = n_i · n_j ([same tool] / K' + Σ_sides ±± N_iᵀ W N_j)`, the sum over the sides of both
-//! rows on the same body, each with the sign with which its normal pushes it. A tool that may turn
-//! adds `(r_i × n_i) · (r_j × n_j) / K'_r` for two of its rows with arms r.
-//!
-//! A free rigid body adds to two of its rows what it gives way in a tick: dt² / m times the bracket's
-//! signs, and by its turn dt² I⁻¹ (r_j × f_j) × r_i. With friction its turns about the three principal axes
-//! are modes.
-//!
-//! With friction or grips, forces have three components and rows move each other by the bracket
-//! alone, without n_i · n_j.
+//! What a force on one row does to another is the sum over all that both act on: a coupling gives way by 1 / K' and
+//! turns by C (r_j × f_j) × r_i, a deforming body answers by its surface, a free rigid one gives way by
+//! dt² / m and turns by dt² (I⁻¹ (r_j × f_j)) × r_i. Each adds its blocks to the matrix, with the signs with which
+//! normals push bodies. Without friction and grips only what the normals see of them counts.
 
 use crate::contact::warm::{Warm, WarmRow};
 use crate::contact::{dent, stick};
 use crate::party::{BodyScratch, BodyState, Party as _, Problem, ToolScratch, ToolState};
 use crate::scene::Scene;
 use crate::solve::cones::{self, ConeShare};
-use crate::solve::friction::{FrictionLaw, Lever};
+use crate::solve::friction::FrictionLaw;
 use crate::solve::hold::{Barrier, hold};
 use crate::solve::rows::{Row, RowSet};
 use crate::solve::sharing::{Share, share};
@@ -59,12 +52,14 @@ impl Balance<'_> {
     pub(crate) fn solve(&mut self) {
         let scene = self.scene;
         let count = self.rows.rows.len();
+        let whole = self.is_whole();
         self.solver.problem.begin(count);
         self.solver.friction.clear();
+        let normals = self.rows.rows.iter().map(|row| row.normal);
+        self.solver.matrix.begin(normals, whole);
         if count == 0 {
             return;
         }
-        let whole = self.is_whole();
         let Self {
             rows,
             solver,
@@ -72,11 +67,7 @@ impl Balance<'_> {
             bodies,
             ..
         } = self;
-        let problem = &mut Problem {
-            rows,
-            whole,
-            solver,
-        };
+        let problem = &mut Problem { rows, solver };
         for (t, tool) in scene.tool_parties().enumerate() {
             tool.respond(&self.tools[t], &tool_parts[t], problem);
         }
@@ -84,12 +75,8 @@ impl Balance<'_> {
             body.respond(&self.states[b], &bodies[b], problem);
         }
         dent::settle(self.rows, self.solver);
-        if !whole {
-            self.add_indentations();
-        }
-        for i in 0..count {
-            let own = self.solver.problem.entry(i, i);
-            self.solver.problem.row_mut(i)[i] = own + own * self.rows.rows[i].ease;
+        for (i, row) in self.rows.rows.iter().enumerate() {
+            self.solver.matrix.ease(i, row.ease);
         }
         self.solve_rows(Start::LastTick);
     }
@@ -103,8 +90,8 @@ impl Balance<'_> {
 
     /// Some force has three components.
     fn is_whole(&self) -> bool {
-        let rows = &self.rows.rows;
-        rows.iter().any(|row| row.law != FrictionLaw::SMOOTH)
+        let mut rows = self.rows.rows.iter();
+        rows.any(|row| row.law != FrictionLaw::SMOOTH)
     }
 
     /// How often a solve goes over its rows. They start with the forces of the last tick: under lower
@@ -128,7 +115,7 @@ impl Balance<'_> {
 
     fn solve_rows(&mut self, start: Start) {
         let scene = self.scene;
-        if self.is_whole() {
+        if self.solver.is_whole() {
             return self.solve_whole(start);
         }
         let mut warm = self.warm.rows().iter().peekable();
@@ -142,7 +129,11 @@ impl Balance<'_> {
             };
             self.solver.problem.set(i, row.gap_m, force);
         }
-        self.solver.problem.solve(self.sweeps());
+        let sweeps = self.sweeps();
+        let Solver {
+            problem, matrix, ..
+        } = &mut *self.solver;
+        problem.solve(matrix, sweeps);
         for tool in 0..scene.tools.len() {
             self.hold_by_rigid(tool);
             self.share_among_rigid(tool);
@@ -221,32 +212,17 @@ impl Balance<'_> {
             };
             match start {
                 Start::LastTick => {
-                    self.solver.friction.push(
-                        &row.normal,
-                        &free,
-                        law,
-                        &(row.normal * force_n + tangent_n),
-                    );
-                    if let Some(tool) = row
-                        .tool()
-                        .filter(|&tool| scene.tools[tool].coupling.turns())
-                    {
-                        let compliance_rad_nm =
-                            scene.tools[tool].coupling.turning_compliance_rad_nm();
-                        self.solver.friction.set_lever(&Lever {
-                            tool,
-                            arm: row.arm,
-                            compliance_rad_nm,
-                        });
-                    }
-                    self.give_modes(&row);
+                    let warm_n = row.normal * force_n + tangent_n;
+                    self.solver.friction.push(&row.normal, &free, law, &warm_n);
                 }
                 Start::Here => self.solver.friction.set_free(i, &free),
             }
         }
-        self.solver
-            .friction
-            .solve(self.solver.problem.matrix(), self.sweeps());
+        let sweeps = self.sweeps();
+        let Solver {
+            friction, matrix, ..
+        } = &mut *self.solver;
+        friction.solve(matrix, sweeps);
         for tool in 0..scene.tools.len() {
             self.share_whole_among_rigid(tool);
         }
@@ -361,54 +337,6 @@ impl Balance<'_> {
                 problem.set_force(i, share.force_n);
             }
         }
-    }
-
-    /// Adds how far balls go in beyond what nets show; where forces have three components, that is a mode.
-    fn add_indentations(&mut self) {
-        let Self { rows, solver, .. } = self;
-        let Solver {
-            problem,
-            indentations,
-            ..
-        } = solver;
-        for (i, a) in rows.rows.iter().enumerate() {
-            let dent = &indentations[a.id.pair as usize];
-            if dent.slope_m_n == 0.0 {
-                continue;
-            }
-            let along = dent.slope_m_n * a.normal.dot(&dent.normal);
-            for (j, b) in rows.rows.iter().enumerate() {
-                if a.id.pair == b.id.pair {
-                    problem.row_mut(i)[j] += along * b.normal.dot(&dent.normal);
-                }
-            }
-        }
-    }
-
-    /// Gives the row just added to the friction problem the soft modes of its bodies, and the turns of free
-    /// ones.
-    fn give_modes(&mut self, row: &Row) {
-        let scene = self.scene;
-        let mut first = 0;
-        let problem = &mut Problem {
-            rows: self.rows,
-            whole: true,
-            solver: self.solver,
-        };
-        for (b, body) in scene.parties().enumerate() {
-            if row.sides_on(b).next().is_some() {
-                body.give_modes(&self.bodies[b], row, first, problem);
-            }
-            first += body.mode_count();
-        }
-        let pair = row.id.pair as usize;
-        let dent = &self.solver.indentations[pair];
-        if dent.slope_m_n > 0.0 && !row.id.key.is_anchor() {
-            self.solver
-                .friction
-                .add_mode(first + pair, dent.slope_m_n, &dent.normal);
-        }
-        self.solver.friction.bound_turns();
     }
 }
 

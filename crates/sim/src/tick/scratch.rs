@@ -9,8 +9,9 @@ use crate::solve::complementarity::Complementarity;
 use crate::solve::delassus::Delassus;
 use crate::solve::friction::FrictionProblem;
 use crate::solve::indentation::{Indentation, Touch};
+use crate::solve::matrix::ContactMatrix;
 use crate::solve::rows::{MAX_ROWS_PER_PAIR, RowSet, SampleInTouch};
-use crate::solve::solver::{Solver, TURNS};
+use crate::solve::solver::Solver;
 use palpate_geometry::contact::dispatch::Narrow;
 use palpate_geometry::contact::spheres::Counters;
 use palpate_geometry::surface::{ClosestSolver, Surface};
@@ -96,14 +97,8 @@ impl Scene {
             .max()
             .unwrap_or(0);
         let frictional = self.pairs.iter().any(|pair| pair.friction.is_some());
-        let free = (0..self.body_count()).filter(|&body| self.is_free(body));
-        let turns = TURNS * free.count();
         let grips = self.tools.iter().any(|tool| tool.grip_n > 0.0);
-        let frictional_rows = if frictional || grips {
-            most_rows
-        } else {
-            0
-        };
+        let frictional_rows = if frictional || grips { most_rows } else { 0 };
         let mut scratch = Scratch {
             tools: self.tool_parties().map(|tool| tool.scratch()).collect(),
             bodies: self.parties().map(|body| body.scratch()).collect(),
@@ -113,13 +108,9 @@ impl Scene {
             rows: RowSet::new(most_rows, width),
             hits: Vec::with_capacity(MAX_ROWS_PER_PAIR),
             solver: Solver {
+                matrix: ContactMatrix::new(most_rows, frictional_rows),
                 problem: Complementarity::new(most_rows),
-                friction: FrictionProblem::new(
-                    frictional_rows,
-                    self.tools.len(),
-                    turns + self.pairs.len(),
-                    2 * turns.min(TURNS) + 1,
-                ),
+                friction: FrictionProblem::new(frictional_rows),
                 sticks: Vec::with_capacity(frictional_rows),
                 cones: Vec::with_capacity(frictional_rows),
                 shares: Vec::with_capacity(most_rows),

@@ -1,20 +1,63 @@
 //! The solver against its laws as they are written, and against another method.
 
 use super::*;
+use crate::solve::complementarity::Complementarity;
+use nalgebra::{DMatrix, DVector};
 use palpate_geometry::math::Random;
 
-/// S = G Gᵀ + shift 1.
-fn matrix(random: &mut Random, n: usize, shift: f64) -> Vec<f64> {
-    let g: Vec<f64> = (0..n * n).map(|_| random.float(-0.5, 0.5)).collect();
-    let entry = |i: usize, j: usize| (0..n).map(|k| g[i * n + k] * g[j * n + k]).sum::<f64>();
-    let both = |k: usize| entry(k / n, k % n) + if k / n == k % n { shift } else { 0.0 };
-    (0..n * n).map(both).collect()
+fn empty(normals: &[Vector3]) -> ContactMatrix {
+    let mut matrix = ContactMatrix::new(normals.len(), normals.len());
+    matrix.begin(normals.iter().copied(), true);
+    matrix
+}
+
+fn normals(random: &mut Random, n: usize) -> Vec<Vector3> {
+    (0..n).map(|_| random.vector().normalize()).collect()
+}
+
+/// D = G Gᵀ + shift 1, with a number for each pair of rows or with blocks.
+fn matrix(random: &mut Random, normals: &[Vector3], shift: f64, isotropic: bool) -> ContactMatrix {
+    let mut matrix = empty(normals);
+    let n = normals.len();
+    let size = if isotropic { n } else { 3 * n };
+    let g: Vec<f64> = (0..size * size).map(|_| random.float(-0.5, 0.5)).collect();
+    let entry = |a: usize, b: usize| {
+        let own = if a == b { shift } else { 0.0 };
+        own + (0..size)
+            .map(|k| g[a * size + k] * g[b * size + k])
+            .sum::<f64>()
+    };
+    for i in 0..n {
+        for j in 0..=i {
+            match isotropic {
+                true => matrix.add_isotropic(i, j, entry(i, j)),
+                false => {
+                    let block = Matrix3::from_fn(|a, b| entry(3 * i + a, 3 * j + b));
+                    matrix.add(i, j, &block);
+                }
+            }
+        }
+    }
+    matrix
+}
+
+fn problem(
+    normals: &[Vector3],
+    free: &[Vector3],
+    law: impl Fn(usize) -> FrictionLaw,
+) -> FrictionProblem {
+    let mut problem = FrictionProblem::new(normals.len());
+    for (i, (normal, free)) in normals.iter().zip(free).enumerate() {
+        problem.push(normal, free, law(i), &Vector3::zeros());
+    }
+    problem
 }
 
 fn one(normal: Vector3, free: Vector3, law: FrictionLaw, own: f64) -> FrictionProblem {
-    let mut problem = FrictionProblem::new(1, 8, 0, 0);
-    problem.push(&normal, &free, law, &Vector3::zeros());
-    problem.solve(&[own], 1);
+    let mut matrix = empty(&[normal]);
+    matrix.add_isotropic(0, 0, own);
+    let mut problem = problem(&[normal], &[free], |_| law);
+    problem.solve(&matrix, 1);
     problem
 }
 
@@ -51,13 +94,17 @@ fn one_row_sticks_below_its_cone_and_slips_against_the_slip_at_its_edge() {
     assert!((held.force_n(0) - Vector3::new(-1.2, 0.0, -1.6)).norm() < 1e-15);
 }
 
+fn displaced(problem: &FrictionProblem, matrix: &ContactMatrix, free: &[Vector3]) -> Vec<Vector3> {
+    let moved = |i: usize, j: usize| matrix.block(i, j) * problem.force_n(j);
+    let all = |i: usize| (0..matrix.rows()).fold(free[i], |u, j| u + moved(i, j));
+    (0..matrix.rows()).map(all).collect()
+}
+
 /// How far forces and displacements are from the laws: written from the definitions, not from the
 /// solver.
-fn residual(problem: &FrictionProblem, matrix: &[f64], free: &[Vector3]) -> f64 {
-    let n = free.len();
+fn residual(problem: &FrictionProblem, matrix: &ContactMatrix, free: &[Vector3]) -> f64 {
     let mut worst = 0.0f64;
-    for i in 0..n {
-        let u = (0..n).fold(free[i], |u, j| u + problem.force_n(j) * matrix[i * n + j]);
+    for (i, u) in displaced(problem, matrix, free).into_iter().enumerate() {
         let f = problem.force_n(i);
         let normal = problem.normal(i);
         let miss = match problem.law(i) {
@@ -76,7 +123,7 @@ fn residual(problem: &FrictionProblem, matrix: &[f64], free: &[Vector3]) -> f64 
                 (f.norm() - limit_n).max(f.dot(&u) + limit_n * u.norm())
             }
         };
-        worst = worst.max(miss);
+        worst = worst.max(miss).max((problem.displaced_m(i) - u).norm());
     }
     worst
 }
@@ -84,27 +131,100 @@ fn residual(problem: &FrictionProblem, matrix: &[f64], free: &[Vector3]) -> f64 
 #[test]
 fn random_problems_meet_cone_complementarity_and_maximal_dissipation() {
     let mut random = Random(5);
-    for case in 0..200 {
+    for case in 0..400 {
         let n = 1 + case % 14;
-        let matrix = matrix(&mut random, n, 0.5);
+        let normals = normals(&mut random, n);
+        let matrix = matrix(&mut random, &normals, 0.5, case < 200);
         let free: Vec<Vector3> = (0..n).map(|_| random.vector() * 0.5).collect();
-        let mut problem = FrictionProblem::new(n, 8, 0, 0);
-        for b in &free {
-            let normal = (random.vector() * 0.5).normalize();
-            let law = match case % 3 {
+        let laws: Vec<FrictionLaw> = (0..n)
+            .map(|_| match case % 3 {
                 0 => FrictionLaw::coulomb(0.3),
-                1 => FrictionLaw::coulomb(0.8 * (random.float(-0.5, 0.5) + 0.5)),
-                _ if random.float(-0.5, 0.5) > 0.0 => FrictionLaw::Grip { limit_n: 0.4 },
+                1 => FrictionLaw::coulomb(0.8 * random.unit()),
+                _ if random.signed() > 0.0 => FrictionLaw::Grip { limit_n: 0.4 },
                 _ => FrictionLaw::coulomb(0.3),
-            };
-            problem.push(&normal, b, law, &Vector3::zeros());
-        }
+            })
+            .collect();
+        let mut problem = problem(&normals, &free, |i| laws[i]);
         problem.solve(&matrix, 5_000);
         let miss = residual(&problem, &matrix, &free);
         assert!(
             miss < 1e-10,
             "case {case} of {n} rows misses its laws by {miss}"
         );
+    }
+}
+
+// Grips that nothing pulls out of their hold are a linear system, which a dense factor solves.
+#[test]
+fn grips_agree_with_a_dense_solve() {
+    let mut random = Random(29);
+    for case in 0..40 {
+        let n = 1 + case % 14;
+        let normals = normals(&mut random, n);
+        let matrix = matrix(&mut random, &normals, 0.5, false);
+        let free: Vec<Vector3> = (0..n).map(|_| random.vector()).collect();
+        let mut problem = problem(&normals, &free, |_| FrictionLaw::Grip { limit_n: 1e9 });
+        problem.solve(&matrix, 5_000);
+        let dense = DMatrix::from_fn(3 * n, 3 * n, |a, b| matrix.entry(a, b));
+        let load = DVector::from_fn(3 * n, |a, _| -free[a / 3][a % 3]);
+        let forces = dense.cholesky().unwrap().solve(&load);
+        for i in 0..n {
+            let off = problem.force_n(i) - forces.fixed_rows::<3>(3 * i);
+            assert!(
+                off.norm() < 1e-12 * forces.norm(),
+                "case {case}, row {i}: {off}"
+            );
+        }
+    }
+}
+
+#[test]
+fn smooth_rows_agree_with_the_problem_along_their_normals() {
+    let mut random = Random(31);
+    for case in 0..40 {
+        let n = 1 + case % 14;
+        let normals = normals(&mut random, n);
+        let whole = matrix(&mut random, &normals, 0.5, false);
+        let mut smooth = ContactMatrix::new(n, 0);
+        smooth.begin(normals.iter().copied(), false);
+        for i in 0..n {
+            for j in 0..=i {
+                smooth.add(i, j, &whole.block(i, j));
+            }
+        }
+        let free: Vec<Vector3> = (0..n).map(|_| random.vector()).collect();
+        let mut problem = problem(&normals, &free, |_| FrictionLaw::SMOOTH);
+        problem.solve(&whole, 5_000);
+        let mut along = Complementarity::new(n);
+        along.begin(n);
+        for i in 0..n {
+            along.set(i, free[i].dot(&normals[i]), 0.0);
+        }
+        along.solve(&smooth, 5_000);
+        for i in 0..n {
+            let off = problem.force_n(i) - normals[i] * along.forces()[i];
+            assert!(off.norm() < 1e-12, "case {case}, row {i}: {off}");
+        }
+    }
+}
+
+// The bound of a block with two numbers: it must be one, or sweeps could go up.
+#[test]
+fn a_row_is_no_softer_than_its_block() {
+    let mut random = Random(37);
+    for _ in 0..1_000 {
+        let normals = normals(&mut random, 1);
+        let matrix = matrix(&mut random, &normals, 1e-3, false);
+        let block = matrix.block(0, 0);
+        let problem = problem(&normals, &[Vector3::zeros()], |_| FrictionLaw::coulomb(0.5));
+        let [along, across] = problem.rows[0]
+            .bound(&block)
+            .map(|stiffness| 1.0 / stiffness);
+        let push = normals[0] * normals[0].transpose();
+        let bound = push * along + (Matrix3::identity() - push) * across;
+        let least = (bound - block).symmetric_eigenvalues().min();
+        assert!(least > -1e-12, "softer by {least}");
+        assert!(along.max(across) <= 2.0 * block.symmetric_eigenvalues().max());
     }
 }
 
@@ -116,22 +236,17 @@ fn forces_agree_with_a_slow_projection_on_de_saxces_cone() {
     let mut random = Random(11);
     for case in 0..20 {
         let (n, mu) = (2 + case % 5, 0.25);
-        let matrix = matrix(&mut random, n, 1.0);
+        let normals = normals(&mut random, n);
+        let matrix = matrix(&mut random, &normals, 1.0, case % 2 == 0);
         let free: Vec<Vector3> = (0..n).map(|_| random.vector() * 0.5).collect();
-        let normals: Vec<Vector3> = (0..n)
-            .map(|_| (random.vector() * 0.5).normalize())
-            .collect();
-        let mut problem = FrictionProblem::new(n, 8, 0, 0);
-        for (normal, b) in normals.iter().zip(&free) {
-            problem.push(normal, b, FrictionLaw::coulomb(mu), &Vector3::zeros());
-        }
+        let mut problem = problem(&normals, &free, |_| FrictionLaw::coulomb(mu));
         problem.solve(&matrix, 2_000);
         let mut slow = vec![Vector3::zeros(); n];
-        let step = 0.5 / (0..n).map(|i| matrix[i * n + i]).sum::<f64>();
+        let step = 0.5 / (0..n).map(|i| matrix.block(i, i).trace()).sum::<f64>();
         for _ in 0..60_000 {
             let mut next = slow.clone();
             for i in 0..n {
-                let u = (0..n).fold(free[i], |u, j| u + slow[j] * matrix[i * n + j]);
+                let u = (0..n).fold(free[i], |u, j| u + matrix.block(i, j) * slow[j]);
                 let slip = u - normals[i] * u.dot(&normals[i]);
                 let wish = slow[i] - (u + normals[i] * (mu * slip.norm())) * step;
                 let (along, across) = (
@@ -168,24 +283,24 @@ fn hopeless_problems_stay_finite_and_in_their_cones() {
     let mut random = Random(3);
     for case in 0..300 {
         let n = 2 + case % 20;
-        let matrix = match case % 3 {
-            0 => vec![1e-3; n * n],
-            1 => vec![0.0; n * n],
-            _ => matrix(&mut random, n, 0.0),
+        let normals = normals(&mut random, n);
+        let mut matrix = match case % 4 {
+            kind @ 2.. => matrix(&mut random, &normals, 0.0, kind == 2),
+            _ => empty(&normals),
         };
-        let mut problem = FrictionProblem::new(n, 8, 0, 0);
-        for _ in 0..n {
+        if case % 4 == 0 {
+            for i in 0..n {
+                (0..=i).for_each(|j| matrix.add_isotropic(i, j, 1e-3));
+            }
+        }
+        let mut problem = FrictionProblem::new(n);
+        for normal in &normals {
             let law = if random.float(-0.5, 0.5) > 0.3 {
                 FrictionLaw::Grip { limit_n: 1.0 }
             } else {
                 FrictionLaw::coulomb(10.0)
             };
-            problem.push(
-                &(random.vector() * 0.5).normalize(),
-                &(random.vector() * 0.5),
-                law,
-                &Vector3::zeros(),
-            );
+            problem.push(normal, &(random.vector() * 0.5), law, &Vector3::zeros());
         }
         problem.solve(&matrix, 50);
         for i in 0..n {
@@ -205,16 +320,12 @@ fn hopeless_problems_stay_finite_and_in_their_cones() {
 fn wide_registers_give_the_same_bits() {
     let mut random = Random(17);
     for n in [1, 3, 4, 17, 60] {
-        let matrix = matrix(&mut random, n, 0.1);
-        let mut problem = FrictionProblem::new(n, 8, 0, 0);
-        for _ in 0..n {
-            let law = FrictionLaw::coulomb(0.4);
-            problem.push(
-                &(random.vector() * 0.5).normalize(),
-                &(random.vector() * 0.5),
-                law,
-                &(random.vector() * 0.5),
-            );
+        let normals = normals(&mut random, n);
+        let matrix = matrix(&mut random, &normals, 0.1, n == 4);
+        let mut problem = FrictionProblem::new(n);
+        for normal in &normals {
+            let (free, warm) = (random.vector() * 0.5, random.vector() * 0.5);
+            problem.push(normal, &free, FrictionLaw::coulomb(0.4), &warm);
         }
         let mut plain = problem.clone();
         problem.solve(&matrix, 20);
