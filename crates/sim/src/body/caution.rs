@@ -1,6 +1,7 @@
 //! Whether the tangent of rest can follow springs, and the buffers of a correction.
 
 use super::core::FactorWork;
+use super::follow::Made;
 use super::frame::Frame;
 use super::rigid_motion::Inertia;
 use crate::in_place::clone_in_place;
@@ -72,6 +73,10 @@ pub(super) struct ImplicitScratch {
     pub(super) work: FactorWork,
     /// (unknowns): right-hand side and solution, in the frame of the matrix.
     pub(super) rows: Rows,
+    /// (unknowns), N: the right-hand side once more, of steps of several iterations.
+    pub(super) loads: Rows,
+    /// Of the last residual, its product with the correction: its square in the norm of B⁻¹, J.
+    pub(super) merit_j: f64,
     /// (unknowns), m: the solution in the world.
     pub(super) moved: Vec<Vector3>,
     /// The state's caution after the step.
@@ -87,4 +92,6 @@ pub(super) struct ImplicitScratch {
     pub(super) taut: usize,
     /// Of a free body, where its step starts.
     pub(super) inertia: Option<Inertia>,
+    /// The core that was made where the body is, in place of that of rest.
+    pub(super) followed: Option<Made>,
 }

@@ -1,6 +1,7 @@
 //! One matrix of the step, factored, with what it needs of the law and what contact asks of it.
 
 use super::elements::continuum::Growth;
+use super::follow::Cells;
 use super::frame::Frame;
 use super::matter::Matter;
 use super::scalar_factor::{ScalarFactor, ScalarWork};
@@ -15,6 +16,8 @@ pub(super) struct Core {
     /// Frames of the unknowns where it was made; none at rest.
     pub made_in: Vec<Frame>,
     pub surface: SurfaceBlocks,
+    /// Cells where it was made; none where nothing follows it.
+    pub cells: Cells,
 }
 
 /// A factor of 3 × 3 blocks, which turns with the body, or of numbers, which need not.

@@ -7,9 +7,11 @@
 
 mod queries;
 
+use super::before::Before;
 use super::calm::{Outline, STILL_STEPS};
 use super::core::SurfaceBlocks;
 use super::field::Field;
+use super::follow::{Following, Follows, Made};
 use super::guard::{Guard, RigidStep};
 use super::implicit::ImplicitStep;
 use super::material::Plastic;
@@ -20,7 +22,7 @@ use super::rigid_velocity::RigidVelocity;
 use super::settings::{DeformableError, StepSettings};
 use super::state::{DeformableScratch, DeformableState};
 use super::stepper::Stepper;
-use palpate_geometry::math::{Lane, Point3, Vector3};
+use palpate_geometry::math::{Point3, Vector3};
 
 /// Of the weight of a body that lies on others: how far its contact forces may be from bearing it.
 const BORNE: f64 = 5e-3;
@@ -150,6 +152,7 @@ impl Deformable {
             *reached = x + v * ahead_s;
         }
         (scratch.arrived, scratch.share, scratch.shortened) = (false, 1.0, false);
+        scratch.before.halved = false;
         scratch.carried.clear();
         let forces = self.matter.surface.iter().zip(&state.contact_n);
         let acting = forces.filter(|(_, force)| **force != Vector3::zeros());
@@ -164,6 +167,12 @@ impl Deformable {
             for (reached, x) in scratch.reached.iter_mut().zip(&state.positions) {
                 *reached += turning.inwards(x, dt);
             }
+        }
+        // A scratch that comes from elsewhere lacks the matrix of the state.
+        if state.following.now.is_set && scratch.implicit.followed.is_none() {
+            scratch.implicit.followed = implicit.make(&self.matter, &state.following.now);
+        } else if !state.following.now.is_set {
+            scratch.implicit.followed = None;
         }
         implicit.begin(&self.matter, state, scratch);
     }
@@ -353,6 +362,7 @@ impl Deformable {
                 }
                 self.settle(state, scratch);
                 implicit.end(state, scratch);
+                scratch.follows = implicit.look(&self.matter, state, scratch);
             }
             Stepper::Explicit(_) | Stepper::Xpbd(_) => {
                 // Again from the start: the prediction knew no contact.
@@ -365,6 +375,40 @@ impl Deformable {
         let flowed = self.flow(state, scratch);
         let balanced = state.calm.steps + 1 >= STILL_STEPS && self.is_borne(state, scratch);
         self.count_still(state, touched, handled || flowed, balanced);
+    }
+
+    /// What the last step found of its matrix: where it [began](Follows::Begun) another, [`Deformable::make`] it.
+    pub fn follows(&self, scratch: &DeformableScratch) -> Follows {
+        scratch.follows
+    }
+
+    /// Makes the matrix that a body is to take over. It may be made anywhere: the same state makes the same one.
+    pub fn make(&self, state: &DeformableState) -> Option<Made> {
+        match &self.stepper {
+            Stepper::Implicit(implicit) if state.following.next.is_set => {
+                implicit.make(&self.matter, &state.following.next)
+            }
+            _ => None,
+        }
+    }
+
+    /// Takes over the matrix that is [due](Following::is_due). Without one that was made elsewhere it is made here.
+    pub fn take_over(
+        &self,
+        state: &mut DeformableState,
+        scratch: &mut DeformableScratch,
+        made: Option<Made>,
+    ) {
+        if !state.following.is_due() {
+            return;
+        }
+        if let Some(made) = made.or_else(|| self.make(state)) {
+            let following = &mut state.following;
+            std::mem::swap(&mut following.now, &mut following.next);
+            scratch.implicit.followed = Some(made);
+        }
+        state.following.next.is_set = false;
+        scratch.at_rest = false;
     }
 
     /// x' is where the step has come, v = (x' − x) / dt; a free body keeps its momentum.
@@ -547,6 +591,7 @@ impl Deformable {
     /// Forgets what was prepared for another state.
     pub fn forget(&self, scratch: &mut DeformableScratch) {
         scratch.at_rest = false;
+        scratch.implicit.followed = None;
         self.drop_loads(scratch);
     }
 
@@ -568,7 +613,11 @@ impl Deformable {
 
     /// How a force held through the step on one coordinate of the net (by [`Deformable::surface_place`]) moves all of
     /// them, m/N: blocks by columns, between the frames of the coordinates.
-    pub(crate) fn compliance_of(&self, scratch: &DeformableScratch, place: usize) -> &[[f32; 9]] {
+    pub(crate) fn compliance_of<'a>(
+        &'a self,
+        scratch: &'a DeformableScratch,
+        place: usize,
+    ) -> &'a [[f32; 9]] {
         match &self.stepper {
             Stepper::Implicit(implicit) => implicit.core(&scratch.implicit).surface.column(place),
             Stepper::Explicit(_) | Stepper::Xpbd(_) => self.by_trial.column(place),
@@ -609,6 +658,9 @@ impl Deformable {
         if let Stepper::Implicit(implicit) = &self.stepper {
             state.caution = implicit.caution(&self.matter);
             state.pressures = vec![[0.0; 4]; implicit.pressure_lanes(&self.matter)];
+            if !state.pressures.is_empty() {
+                state.following = Following::for_state(&state);
+            }
         }
         state
     }
@@ -628,6 +680,10 @@ impl Deformable {
         let mut scratch = self.matter.scratch();
         if let Stepper::Implicit(implicit) = &self.stepper {
             scratch.implicit = implicit.scratch(&self.matter);
+            if implicit.iterations() > 1 {
+                scratch.looked = scratch.implicit.pressures.clone();
+                scratch.before = Before::for_scratch(&scratch);
+            }
         }
         scratch
     }

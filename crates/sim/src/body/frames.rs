@@ -5,7 +5,7 @@
 //! part by Newton's method (Higham 1986). Only the preconditioner of the step uses it, so it need
 //! not be exact, but it must be a rotation or close to one whatever the positions are.
 
-use super::frame::{Frame, IDENTITY, from_rest};
+use super::frame::{Frame, IDENTITY};
 use super::matter::Matter;
 use super::neighbours::{adjacent, middle, shortest_edges};
 use palpate_geometry::math::lanes::{Baseline, Four, Lanes};
@@ -196,23 +196,6 @@ impl Frames {
             return unsafe { fit_wide(&self.blocks, places, frames) };
         }
         fit_in::<Baseline>(&self.blocks, places, frames);
-    }
-}
-
-impl Frames {
-    /// The normals of a sheet in such frames (unknowns); does nothing where there is no room for them.
-    pub(super) fn turn_normals(&self, frames: &[Frame], normals: &mut [Vector3]) {
-        let each = normals
-            .chunks_mut(4)
-            .zip(frames.chunks(4))
-            .zip(&self.blocks);
-        for ((normals, frames), block) in each {
-            for (lane, (normal, frame)) in normals.iter_mut().zip(frames).enumerate() {
-                let [x, y, z] = block.normals.map(|four| four[lane]);
-                let [x, y, z, _] = from_rest(frame, &[x, y, z, 0.0]);
-                *normal = Vector3::new(x, y, z);
-            }
-        }
     }
 }
 
@@ -455,6 +438,7 @@ fn frame_of_columns(gradient: &Frame) -> Frame {
 
 #[cfg(test)]
 mod tests {
+    use super::super::frame::from_rest;
     use super::*;
     use palpate_geometry::math::{Random, Rotation};
 
@@ -545,10 +529,10 @@ mod tests {
                     assert!((found[0][r][c] - wanted.matrix()[(r, c)]).abs() < 1e-4);
                 }
             }
-            let mut normals = [Vector3::zeros(); 4];
-            frames.turn_normals(&found, &mut normals);
-            let normal = turn * (plane * Vector3::z());
-            assert!(normals[3].cross(&normal).norm() < 1e-4, "{}", normals[3]);
+            let own = plane * Vector3::z();
+            let [x, y, z, _] = from_rest(&found[3], &[own.x, own.y, own.z, 0.0]);
+            let normal = turn * own;
+            assert!(Vector3::new(x, y, z).cross(&normal).norm() < 1e-4);
         }
     }
 

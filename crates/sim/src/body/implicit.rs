@@ -19,9 +19,11 @@
 
 mod matrices;
 
+use super::before::Before;
 use super::caution::{BOUNDING, Caution, ImplicitScratch};
 use super::core::{Core, Factor};
 use super::elements::Weight;
+use super::follow::{self, Follows, Made, Shape};
 use super::frame::{Frame, IDENTITY, from_rest, into_rest};
 use super::frames::Frames;
 use super::matter::{FIXED, Matter, lanes};
@@ -32,6 +34,7 @@ use super::settings::{DeformableError, FallBack, StepMatrix};
 use super::state::{DeformableScratch, DeformableState};
 use matrices::{bounding, tangents};
 use palpate_geometry::math::{Lane, Point3, Rows, SymmetricTriplets, Vector3};
+use std::sync::Arc;
 
 /// Most numbers of a factor in blocks for each second of a step: what a core reads in about that time.
 const MOST_NUMBERS: f64 = 3e9;
@@ -176,6 +179,8 @@ impl ImplicitStep {
             frames: vec![IDENTITY; n],
             work: Factor::work(factors, n),
             rows: Rows::zeros(n),
+            loads: Rows::zeros(if self.iterations > 1 { n } else { 0 }),
+            merit_j: 0.0,
             moved: vec![Vector3::zeros(); n],
             caution: self.caution(matter),
             last_m2: f64::INFINITY,
@@ -184,6 +189,7 @@ impl ImplicitStep {
             core: 0,
             taut: 0,
             inertia: None,
+            followed: None,
         }
     }
 
@@ -258,15 +264,53 @@ impl ImplicitStep {
             (Kind::Sheet, 0) => implicit.taut,
             (Kind::Sheet, _) => TAUT.len() - 1,
         };
-        match &self.cores[implicit.core].factor {
-            Factor::Blocks(_) => self.frames.fit(coordinates, &mut implicit.frames),
-            Factor::Scalar(_) => implicit.frames.fill(IDENTITY),
+        let ImplicitScratch {
+            frames, followed, ..
+        } = implicit;
+        let core = (followed.as_ref()).map_or(&self.cores[implicit.core], |made| &*made.0);
+        match &core.factor {
+            Factor::Blocks(_) => self.frames.fit(coordinates, frames),
+            Factor::Scalar(_) => frames.fill(IDENTITY),
+        }
+        for (frame, made_in) in frames.iter_mut().zip(&core.made_in) {
+            *frame = since(frame, made_in);
         }
     }
 
     /// The core of this step.
-    pub(super) fn core(&self, scratch: &ImplicitScratch) -> &Core {
-        &self.cores[scratch.core]
+    pub(super) fn core<'a>(&'a self, scratch: &'a ImplicitScratch) -> &'a Core {
+        let own = &self.cores[scratch.core];
+        (scratch.followed.as_ref()).map_or(own, |made| &*made.0)
+    }
+
+    /// After a step: whether its matrix can go on following the body. One that is to be made is
+    /// [`Following::next`](super::follow::Following::next).
+    pub(super) fn look(
+        &self,
+        matter: &Matter,
+        state: &mut DeformableState,
+        scratch: &mut DeformableScratch,
+    ) -> Follows {
+        if self.kind != Kind::Continuum {
+            return Follows::On;
+        }
+        let DeformableScratch {
+            implicit,
+            coordinates,
+            nodes,
+            ..
+        } = scratch;
+        let cores = (self.core(implicit), &self.cores[0]);
+        let follows = follow::look(matter, cores, state, (coordinates, nodes));
+        if follows == Follows::AtRest {
+            implicit.followed = None;
+        }
+        follows
+    }
+
+    /// Makes a core where a body is to take one over; `None` where that has no factor, and the one there is goes on.
+    pub(super) fn make(&self, matter: &Matter, shape: &Shape) -> Option<Made> {
+        matrices::core_of(matter, &self.frames, shape).map(|core| Made(Arc::new(core)))
     }
 
     /// The matrix that the step takes instead of its own, if it does.
@@ -293,6 +337,30 @@ impl ImplicitStep {
         {
             springs.calm_short(matter, state, scratch);
         }
+        self.correct_by_core(matter, state, scratch, first);
+        if self.iterations > 1 {
+            if !first && scratch.before.has_grown(&scratch.implicit) {
+                // Half of the last correction, and another look from there.
+                Before::go_half_back(scratch);
+                self.weigh(matter, state, scratch);
+                self.correct_by_core(matter, state, scratch, first);
+            }
+            Before::keep(scratch);
+        }
+        let unknowns = matter.coordinate_of_unknown.iter();
+        for (moved, &c) in scratch.implicit.moved.iter().zip(unknowns) {
+            scratch.reached[c as usize] += *moved;
+        }
+    }
+
+    /// The correction of the residual, by a core that can follow it.
+    fn correct_by_core(
+        &self,
+        matter: &Matter,
+        state: &DeformableState,
+        scratch: &mut DeformableScratch,
+        first: bool,
+    ) {
         loop {
             self.answer(matter, &state.positions, scratch, true);
             let Some(springs) = &self.springs else { break };
@@ -311,9 +379,6 @@ impl ImplicitStep {
             implicit.caution.raise(next);
             lanes(&scratch.reached, &mut scratch.coordinates);
             self.choose_core(scratch);
-        }
-        for (moved, &c) in scratch.implicit.moved.iter().zip(&matter.coordinate_of_unknown) {
-            scratch.reached[c as usize] += *moved;
         }
     }
 
@@ -335,7 +400,9 @@ impl ImplicitStep {
             node_residual,
             ..
         } = scratch;
-        let core = &self.cores[implicit.core];
+        let own = &self.cores[implicit.core];
+        let followed = implicit.followed.clone();
+        let core = followed.as_ref().map_or(own, |made| &*made.0);
         let pressed = matter.law.continuum.as_ref().filter(|_| !core.growth.is_empty());
         let rigid = (implicit.inertia.as_ref()).map(|inertia| inertia.take_rigid(matter, from, residual));
         let solid = pressed.filter(|_| with_gaps);
@@ -359,7 +426,15 @@ impl ImplicitStep {
                 }
             }
         }
+        if self.iterations > 1 {
+            implicit.loads.copy_from_slice(&implicit.rows);
+        }
         core.factor.solve(&mut implicit.rows, &mut implicit.work);
+        if self.iterations > 1 && with_gaps {
+            let each = implicit.loads.as_flattened().iter();
+            let each = each.zip(implicit.rows.as_flattened());
+            implicit.merit_j = each.map(|(load, moved)| load * moved).sum();
+        }
         if let Some(solid) = pressed {
             pull.fill([0.0; 4]);
             for (row, &c) in implicit.rows.iter().zip(&matter.coordinate_of_unknown) {
@@ -401,6 +476,9 @@ impl ImplicitStep {
             for (value, part) in lane.iter_mut().zip(force.iter()) {
                 *value += part;
             }
+        }
+        if self.iterations > 1 {
+            scratch.looked.copy_from_slice(&scratch.implicit.pressures);
         }
         matter.look_ahead(state, scratch);
         matter.add_step_forces(state, scratch);
@@ -445,6 +523,14 @@ impl Springs {
             }
         }
     }
+}
+
+/// R R₀ᵀ: how a neighbourhood has turned since it was in a frame.
+fn since(frame: &Frame, made_in: &Frame) -> Frame {
+    frame.map(|row| {
+        let along = |k: usize| (0..3).map(|c| row[c] * made_in[k][c]).sum();
+        [along(0), along(1), along(2)]
+    })
 }
 
 /// How taut a sheet is, or will be where damping looks.

@@ -1,12 +1,14 @@
 //! The matter of a deforming body: what moves, what it weighs and what acts between its nodes. How it
 //! steps is the business of the steppers, which are built from it.
 
+use super::before::Before;
 use super::calm::Calm;
 use super::caution::ImplicitScratch;
 use super::cells::{Cell, CellQuality};
 use super::elements::MaterialLaw;
 use super::elements::continuum::Given;
 use super::field::Field;
+use super::follow::Follows;
 use super::material::Plastic;
 use super::node_map::NodeMap;
 use super::plastic::Flow;
@@ -183,6 +185,7 @@ impl Matter {
             plastic_strain,
             contact_n,
             pressures,
+            following,
             caution,
             still,
             calm,
@@ -192,6 +195,7 @@ impl Matter {
         contact_n.clear();
         contact_n.resize(self.surface.len(), Vector3::zeros());
         pressures.fill([0.0; 4]);
+        following.set_to_rest();
         caution.set_to_rest();
         positions.clone_from(&self.rest);
         velocities.clear();
@@ -231,13 +235,16 @@ impl Matter {
             speed: vec![Vector3::zeros(); count],
             ahead: vec![Vector3::zeros(); count],
             reached: self.rest.clone(),
-            carried: Vec::with_capacity(self.surface.len()),
+            carried: Vec::with_capacity(2 * self.surface.len()),
             at_rest: false,
+            before: Before::default(),
+            looked: Vec::new(),
             changed: Vec::with_capacity(2 * self.surface.len()),
             arrived: false,
             share: 1.0,
             rigid: None,
             shortened: false,
+            follows: Follows::On,
             turning: None,
             implicit: ImplicitScratch::default(),
             pull: Rows::zeros(count),

@@ -7,6 +7,7 @@
 //! ```
 //! A body knows coordinates, not tools: contact hands it forces on control points.
 
+mod before;
 mod calm;
 mod caution;
 mod cells;
@@ -19,6 +20,7 @@ mod elements;
 mod explicit;
 mod exterior;
 mod field;
+mod follow;
 mod frame;
 mod frames;
 mod guard;
@@ -58,6 +60,7 @@ pub use elements::springs::{Spring, SpringRule};
 pub use elements::{Bend, Edge, MaterialLaw, Weight};
 pub use exterior::{CONDITION_LIMIT, ExteriorError, ExteriorMap, check_exterior, measure_exterior};
 pub use field::Field;
+pub use follow::{Following, Follows, Made, Shape};
 pub use lattice::{Inside, Solid};
 pub use material::{Material, PRESETS, Plastic, Preset, Stiffening, preset};
 pub use matter::{Blueprint, Grain};

@@ -59,6 +59,8 @@ pub enum FallBack {
     Firmer,
     /// It takes the bounding matrix: its motion is too slow.
     Bounding,
+    /// Half of a correction was taken back, since the next one grew.
+    Halved,
     /// It was shortened: cells would have strained more in a tick than a step can follow.
     Shortened,
 }

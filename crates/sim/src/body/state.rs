@@ -1,9 +1,11 @@
 //! What a replay restores of a deforming body, and the buffers of its step.
 
+use super::before::Before;
 use super::calm::{Calm, STILL_STEPS};
 use super::caution::{Caution, ImplicitScratch};
 use super::elements::spring_table::ByCoordinate;
 use super::field::Field;
+use super::follow::{Following, Follows};
 use super::guard::RigidStep;
 use super::rigid_velocity::RigidVelocity;
 use crate::in_place::clone_in_place;
@@ -28,6 +30,8 @@ pub struct DeformableState {
     /// Pressures of the cells, four a row, then of the patches that share one, Pa; empty unless they are unknowns of the
     /// step.
     pub pressures: Vec<Lane>,
+    /// Which matrix its step takes.
+    pub following: Following,
     /// Whether the implicit step's tangent can follow springs.
     pub caution: Caution,
     /// Body steps in a row in which nothing moved; at a hundred the body sleeps.
@@ -47,6 +51,7 @@ clone_in_place!(DeformableState {
     plastic_strain,
     contact_n,
     pressures,
+    following,
     caution,
     still,
     calm,
@@ -84,6 +89,7 @@ stateful!(DeformableState, |this, walk| {
         plastic_strain,
         contact_n,
         pressures,
+        following,
         caution,
         still,
         calm,
@@ -96,6 +102,9 @@ stateful!(DeformableState, |this, walk| {
     walk.lanes(plastic_strain)?;
     walk.triples(contact_n)?;
     walk.lanes(pressures)?;
+    if !pressures.is_empty() {
+        walk.part(following)?;
+    }
     let Caution {
         corrections,
         level,
@@ -125,6 +134,9 @@ pub struct DeformableScratch {
     pub(super) carried: Vec<(u32, Vector3)>,
     /// The scratch stands for a sleeping body already.
     pub(super) at_rest: bool,
+    /// Of steps of several iterations: where the last look was, and the pressures at this one.
+    pub(super) before: Before,
+    pub(super) looked: Vec<Lane>,
     /// Room for what contact changes of them.
     pub(super) changed: Vec<(u32, Vector3)>,
     /// The step has taken its contact forces.
@@ -134,6 +146,8 @@ pub struct DeformableScratch {
     pub(super) rigid: Option<RigidStep>,
     /// The step was shortened.
     pub(super) shortened: bool,
+    /// What the last step found of its matrix.
+    pub(super) follows: Follows,
     /// The rigid motion of a free body at the start of its step.
     pub(super) turning: Option<RigidVelocity>,
     pub(super) implicit: ImplicitScratch,

@@ -3,7 +3,9 @@
 use super::body::{BodyScratch, BodyState, DeformingScratch, Of, box_of};
 use super::contract::{Around, Begun, Ended, Party, Problem};
 use super::pipeline::Pipeline;
-use crate::body::{Deformable, DeformableScratch, DeformableState, FallBack, Field};
+use crate::body::{
+    Deformable, DeformableScratch, DeformableState, FallBack, Field, Following, Follows,
+};
 use crate::solve::delassus::{Compliance, Delassus, Frame};
 use crate::scene::{Body, DeformingBody};
 use crate::solve::indentation::Resolution;
@@ -57,8 +59,13 @@ impl Party for Of<'_, &DeformingBody> {
             true => deformable.coordinate_count(),
             false => 0,
         };
+        let mut nodes = deformable.rest_state();
+        if self.kind.every > 1 {
+            // Where a step takes several ticks, making a matrix takes more than anyone waits for.
+            nodes.following = Following::default();
+        }
         BodyState {
-            deformable: Some(deformable.rest_state()),
+            deformable: Some(nodes),
             loads: vec![Vector3::zeros(); loads],
             ..BodyState::default()
         }
@@ -285,6 +292,7 @@ impl Party for Of<'_, &DeformingBody> {
         if moved_squared > 0.0 {
             state.revision += 1;
         }
+        self.follow(state, scratch, pipeline);
         self.prepare(around.field, state, scratch, predicted && fault.is_none());
         fault
     }
@@ -339,7 +347,8 @@ impl Party for Of<'_, &DeformingBody> {
 
     fn is_degraded(&self, level: u8, scratch: &BodyScratch) -> bool {
         let fewer = level >= quality::ONE_ITERATION && self.kind.deformable.iterations() > 1;
-        fewer || self.fall_back(scratch).is_some()
+        let acts = self.fall_back(scratch);
+        fewer || acts.is_some_and(|fall_back| fall_back != FallBack::Halved)
     }
 
     fn begun(&self, state: &BodyState, scratch: &BodyScratch) -> Option<Begun> {
@@ -372,6 +381,9 @@ impl Party for Of<'_, &DeformingBody> {
     }
 
     fn is_late(&self, state: &BodyState, pipeline: &mut dyn Pipeline) -> bool {
+        if (state.deformable.as_ref()).is_some_and(|nodes| nodes.following.is_nearly_due()) {
+            return !pipeline.is_made(self.index);
+        }
         // A step begins in one tick and is taken over in a later one: both may have to wait.
         let due = state.phase == 0 || state.phase + 1 >= self.kind.every;
         self.kind.every > 1 && due && !state.put_off && !pipeline.is_ready(self.index)
@@ -379,6 +391,28 @@ impl Party for Of<'_, &DeformingBody> {
 }
 
 impl Of<'_, &DeformingBody> {
+    /// Has a matrix made elsewhere where the body's cannot follow it any more, and takes over one that is due.
+    fn follow(
+        &self,
+        state: &mut BodyState,
+        scratch: &mut BodyScratch,
+        pipeline: &mut Option<Box<dyn Pipeline>>,
+    ) {
+        let (Some(nodes), Some(deforming)) = (&mut state.deformable, &mut scratch.deforming) else {
+            return;
+        };
+        let (deformable, scratch) = (&self.kind.deformable, &mut deforming.deformable);
+        if deformable.follows(scratch) == Follows::Begun
+            && let Some(pipeline) = pipeline
+        {
+            pipeline.make(self.index, nodes);
+        }
+        if nodes.following.is_due() {
+            let made = (pipeline.as_mut()).and_then(|pipeline| pipeline.made(self.index));
+            deformable.take_over(nodes, scratch, made);
+        }
+    }
+
     fn fall_back(&self, scratch: &BodyScratch) -> Option<FallBack> {
         let deforming = scratch.deforming.as_ref()?;
         self.kind.deformable.fall_back(&deforming.deformable)

@@ -1,6 +1,6 @@
 //! Steps of bodies on other threads.
 
-use crate::body::{DeformableState, Field};
+use crate::body::{DeformableState, Field, Made};
 use palpate_geometry::math::{Point3, Vector3};
 
 /// Steps of bodies on other threads: begun with the loads of one tick, taken over some ticks later,
@@ -25,6 +25,16 @@ pub trait Pipeline: Send + std::fmt::Debug {
         state: &mut DeformableState,
         predicted: &mut [Point3],
     ) -> bool;
-    /// Forgets all steps that were begun.
+    /// Begins to [make](crate::body::Deformable::make) the next matrix of a body.
+    fn make(&mut self, _body: usize, _state: &DeformableState) {}
+    /// True when taking that over would not wait.
+    fn is_made(&mut self, _body: usize) -> bool {
+        true
+    }
+    /// Waits for that matrix. `None` if none was begun: it is then made in the tick.
+    fn made(&mut self, _body: usize) -> Option<Made> {
+        None
+    }
+    /// Forgets all steps and matrices that were begun.
     fn cancel(&mut self);
 }

@@ -311,6 +311,9 @@ pub fn apply(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, comma
         Command::PutOff { body } => {
             if let Some(state) = state.bodies.get_mut(body as usize) {
                 state.put_off = scene.steps_apart(body as usize);
+                if let Some(nodes) = state.deformable.as_mut() {
+                    nodes.following.put_off();
+                }
             }
         }
         Command::Send {

@@ -71,6 +71,9 @@ impl Deformable {
         if scratch.shortened {
             return Some(FallBack::Shortened);
         }
+        if scratch.before.halved {
+            return Some(FallBack::Halved);
+        }
         match &self.stepper {
             Stepper::Implicit(implicit) => implicit.fall_back(&scratch.implicit),
             Stepper::Explicit(_) | Stepper::Xpbd(_) => None,

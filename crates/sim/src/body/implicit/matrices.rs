@@ -3,6 +3,9 @@
 use super::{Kind, TAUT};
 use crate::body::core::{Core, Factor, SurfaceBlocks};
 use crate::body::elements::{Place, Weight};
+use crate::body::follow::{self, Cells, Shape};
+use crate::body::frame::IDENTITY;
+use crate::body::frames::Frames;
 use crate::body::matter::{Matter, lanes_of};
 use crate::body::scalar_factor::ScalarFactor;
 use crate::body::settings::DeformableError;
@@ -42,6 +45,7 @@ pub(super) fn bounding(matter: &Matter) -> Result<Core, DeformableError> {
         growth: Vec::new(),
         made_in: Vec::new(),
         surface,
+        cells: Cells::default(),
     })
 }
 
@@ -90,6 +94,20 @@ pub(super) fn tangents(
     Some((cores, short))
 }
 
+/// The core of a continuum in a shape; `None` where it has no factor.
+pub(super) fn core_of(matter: &Matter, frames: &Frames, shape: &Shape) -> Option<Core> {
+    let nodes = follow::nodes_of(matter, shape);
+    let place = Place {
+        places: &nodes,
+        metrics: &shape.metrics,
+        pressures: &shape.pressures,
+    };
+    let mut made = core(matter, &tangent::at(matter, &place), &nodes, usize::MAX)?;
+    made.made_in = vec![IDENTITY; matter.unknown_count()];
+    frames.fit(&lanes_of(&shape.positions), &mut made.made_in);
+    Some(made)
+}
+
 /// The core of a matrix that was made at `places` (nodes).
 fn core(matter: &Matter, matrix: &BlockTriplets, nodes: &[Lane], most: usize) -> Option<Core> {
     let factor = BlockCholesky::placed(matrix, &places(matter), most).ok()??;
@@ -97,11 +115,13 @@ fn core(matter: &Matter, matrix: &BlockTriplets, nodes: &[Lane], most: usize) ->
     let mut work = Factor::work(std::iter::once(&factor), matter.unknown_count());
     let surface = SurfaceBlocks::new(matter, |rows| factor.solve(rows, &mut work));
     let growth = (matter.law.continuum.as_ref()).map(|law| law.growth_at(nodes));
+    let cells = (matter.law.continuum.as_ref()).map(|_| Cells::at(matter, nodes));
     Some(Core {
         factor,
         growth: growth.unwrap_or_default(),
         made_in: Vec::new(),
         surface,
+        cells: cells.unwrap_or_default(),
     })
 }
 

@@ -7,7 +7,7 @@
 //! c_ηζ, c_ξη] + [c_ζ, c_ξζ, c_ηζ]).
 
 use super::rest::GAUSS;
-use palpate_geometry::math::lanes::{Four, Lanes};
+use palpate_geometry::math::lanes::{Baseline, Four, Lanes};
 use palpate_geometry::math::{Lane, Matrix3};
 
 /// Rows of a metric: xx yy zz xy xz yz.
@@ -184,6 +184,50 @@ pub(in crate::body) fn stretched<L: Lanes>(
 ) -> L {
     let c = modes::<L>(nodes, places);
     stretch(metric, [c[4], c[2], c[1]]).1
+}
+
+/// J⁻¹ J⁻ᵀ of four cells at their centres, 1/m²; zero of cells without volume there.
+pub(in crate::body) fn metric_at_centre(nodes: &[[u32; 4]; 8], places: &[Lane]) -> [Four; 6] {
+    let c = modes::<Baseline>(nodes, places);
+    let mut metrics = [[0.0; 4]; 6];
+    let columns = [c[4], c[2], c[1]].map(|column| {
+        column.map(|lanes| {
+            let mut four = [0.0; 4];
+            lanes.store(&mut four);
+            four
+        })
+    });
+    for cell in 0..4 {
+        let map = Matrix3::from_fn(|row, column| columns[column][row][cell]);
+        let inverse = map.try_inverse().unwrap_or_else(Matrix3::zeros);
+        for (row, value) in metrics.iter_mut().zip(rows_of(&(inverse * inverse.transpose()))) {
+            row[cell] = value;
+        }
+    }
+    metrics
+}
+
+/// The square of the most that an area of each of four cells has grown by at its centre, as a factor, or a little more:
+/// the largest eigenvalue of cof b, b = G S Gᵀ, is at most m + 2 p with m their mean and 6 p² the squares of what is left.
+#[inline(always)]
+pub(in crate::body) fn areas_squared<L: Lanes>(
+    nodes: &[[u32; 4]; 8],
+    metric: &[Four; 6],
+    places: &[Lane],
+) -> L {
+    let c = modes::<L>(nodes, places);
+    let g = [c[4], c[2], c[1]];
+    let (t, _) = stretch(metric, g);
+    let b = |i: usize, j: usize| t[0][i] * g[0][j] + t[1][i] * g[1][j] + t[2][i] * g[2][j];
+    let (xx, yy, zz) = (b(0, 0), b(1, 1), b(2, 2));
+    let (xy, xz, yz) = (b(0, 1), b(0, 2), b(1, 2));
+    let (x, y, z) = (yy * zz - yz * yz, xx * zz - xz * xz, xx * yy - xy * xy);
+    let (p, q, r) = (xz * yz - xy * zz, xy * yz - xz * yy, xy * xz - yz * xx);
+    let mean = (x + y + z) * L::splat(1.0 / 3.0);
+    let (x, y, z) = (x - mean, y - mean, z - mean);
+    let aside = p * p + q * q + r * r;
+    let square = x * x + y * y + z * z + aside + aside;
+    mean + (square * L::splat(4.0 / 6.0)).sqrt()
 }
 
 /// ∂(V / 8)/∂c for the modes 1 … 6, and V.

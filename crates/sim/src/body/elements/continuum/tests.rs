@@ -176,6 +176,7 @@ impl World {
     fn step(&mut self) {
         self.body.predict(&self.state, &mut self.scratch);
         self.body.advance(&mut self.state, &mut self.scratch);
+        self.body.take_over(&mut self.state, &mut self.scratch, None);
     }
 
     fn energy_j(&self) -> f64 {

@@ -6,7 +6,9 @@
 //! where the matrix was made. The rate of such steps does not depend on λ (Hadjicharalambous et al. 2014).
 
 use super::kernel::CellBlock;
-use super::{ContinuumLaw, Points};
+use super::ContinuumLaw;
+#[cfg(test)]
+use super::Points;
 use palpate_geometry::math::lanes::{Baseline, Four, Lanes};
 use palpate_geometry::math::{Lane, Vector3};
 
@@ -20,6 +22,7 @@ impl ContinuumLaw {
     }
 
     /// Pressures as the volumes at `places` have them, q = λ (J − 1), Pa.
+    #[cfg(test)]
     pub(in crate::body) fn pressures_at(&self, places: &[Lane], out: &mut [Lane]) {
         debug_assert_eq!(out.len(), self.pressure_lanes(), "a pressure a cell");
         let (of_cells, of_patches) = out.split_at_mut(self.blocks.len());

@@ -1,0 +1,234 @@
+//! A matrix of the step that follows the body.
+//!
+//! One iteration from the inertial prediction is stable while no area of a cell has grown by a third since its matrix
+//! was made. Where one has by [`MOST_GROWN`], the matrix is made anew where the body is now, elsewhere, and taken over
+//! [`DUE`] steps later, whenever it was done: a replay makes the same one from the same places.
+
+use super::core::Core;
+use super::elements::continuum::{areas_squared, metric_at_centre};
+use super::matter::{Matter, lanes, lanes_of};
+use super::state::DeformableState;
+use crate::in_place::clone_in_place;
+use palpate_geometry::math::lanes::{Baseline, Four, Lanes};
+use palpate_geometry::math::{Lane, Point3};
+use palpate_geometry::stateful;
+use std::sync::Arc;
+
+/// Most that an area of a cell may have grown by, as a factor, before a matrix is made anew; and within which that of
+/// rest is taken.
+const MOST_GROWN: f64 = 1.15;
+const BACK_AT_REST: f64 = 1.08;
+/// Steps from where a matrix is made until it is taken over.
+pub(super) const DUE: u32 = 64;
+/// Steps in which all cells are looked at once.
+const ROUND: usize = 16;
+
+/// Where a matrix is made.
+#[derive(Debug, Default, PartialEq)]
+pub struct Shape {
+    /// It is not that of rest.
+    pub is_set: bool,
+    /// (coordinates), m.
+    pub positions: Vec<Point3>,
+    /// As those of the state.
+    pub pressures: Vec<Lane>,
+    /// As [`DeformableState::rest_lengths`].
+    pub metrics: Vec<Lane>,
+}
+
+clone_in_place!(Shape {
+    is_set,
+    positions,
+    pressures,
+    metrics
+});
+
+stateful!(Shape, |this, walk| {
+    let Shape {
+        is_set,
+        positions,
+        pressures,
+        metrics,
+    } = this;
+    walk.coded("matrix of another shape", is_set)?;
+    if *is_set {
+        walk.triples(positions)?;
+        walk.lanes(pressures)?;
+        walk.lanes(metrics)?;
+    }
+    Ok(())
+});
+
+/// Which matrix a body takes. One without room for shapes keeps that of rest.
+#[derive(Debug, Default, PartialEq)]
+pub struct Following {
+    /// Where that of the step was made.
+    pub now: Shape,
+    /// Where the next one is made.
+    pub next: Shape,
+    /// Steps since then.
+    pub age: u32,
+    /// Steps, counted round.
+    pub step: u32,
+}
+
+clone_in_place!(Following {
+    now,
+    next,
+    age,
+    step
+});
+
+stateful!(Following, |this, walk| {
+    let Following {
+        now,
+        next,
+        age,
+        step,
+    } = this;
+    walk.packed("steps of a matrix", [(0, age), (32, step)])?;
+    walk.part(now)?;
+    walk.part(next)
+});
+
+impl Shape {
+    fn set(&mut self, state: &DeformableState) {
+        self.is_set = true;
+        self.positions.clone_from(&state.positions);
+        self.pressures.clone_from(&state.pressures);
+        self.metrics.clone_from(&state.rest_lengths);
+    }
+}
+
+impl Following {
+    /// That of rest, of a body with as many coordinates, lanes of pressures, and of what flows; nothing is allocated
+    /// where there is room.
+    pub(super) fn set_to_rest(&mut self) {
+        (self.now.is_set, self.next.is_set) = (false, false);
+        (self.age, self.step) = (0, 0);
+    }
+
+    /// Room for shapes of a state.
+    pub(super) fn for_state(state: &DeformableState) -> Self {
+        let room = || Shape {
+            is_set: false,
+            positions: state.positions.clone(),
+            pressures: state.pressures.clone(),
+            metrics: state.rest_lengths.clone(),
+        };
+        Self {
+            now: room(),
+            next: room(),
+            age: 0,
+            step: 0,
+        }
+    }
+
+    /// A matrix is to be taken over in the step that begins.
+    pub fn is_due(&self) -> bool {
+        self.next.is_set && self.age >= DUE
+    }
+
+    /// It will be at the end of this step.
+    pub fn is_nearly_due(&self) -> bool {
+        self.next.is_set && self.age + 1 >= DUE
+    }
+
+    /// A matrix that is due is not there yet: it is taken over a step later.
+    pub fn put_off(&mut self) {
+        self.age = self.age.saturating_sub(1);
+    }
+}
+
+/// Cells of a solid where a matrix was made.
+#[derive(Debug, Default)]
+pub(super) struct Cells {
+    /// (corner, cell) of four cells.
+    nodes: Vec<[[u32; 4]; 8]>,
+    /// J⁻¹ J⁻ᵀ at the centres, 1/m².
+    metrics: Vec<[Four; 6]>,
+}
+
+impl Cells {
+    /// At `places` (nodes).
+    pub fn at(matter: &Matter, places: &[Lane]) -> Self {
+        let mut all = Self::default();
+        for four in matter.cells.chunks(4) {
+            let mut nodes = four[0].map(|node| [node; 4]);
+            for (k, cell) in four.iter().enumerate() {
+                for corner in 0..8 {
+                    nodes[corner][k] = cell[corner];
+                }
+            }
+            all.metrics.push(metric_at_centre(&nodes, places));
+            all.nodes.push(nodes);
+        }
+        all
+    }
+
+    /// The most that an area of a cell has grown by since, at `places` (nodes), as a factor, or a little more; of every
+    /// `every`-th four cells from `first` on.
+    fn grown(&self, places: &[Lane], first: usize, every: usize) -> f64 {
+        let mut most = 0.0_f64;
+        let cells = self.nodes.iter().zip(&self.metrics);
+        for (nodes, metric) in cells.skip(first).step_by(every) {
+            let mut squares = [0.0; 4];
+            areas_squared::<Baseline>(nodes, metric, places).store(&mut squares);
+            // What is not a number is no reason for a matrix.
+            most = squares.into_iter().fold(most, f64::max);
+        }
+        most.sqrt()
+    }
+}
+
+/// What a step found of its matrix.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Follows {
+    /// It goes on with it.
+    On,
+    /// Another one is to be made, of [`Following::next`].
+    Begun,
+    /// It goes on with that of rest.
+    AtRest,
+}
+
+/// Looks at how far a body is from where its matrix was made. `coordinates` and `nodes` are buffers.
+pub(super) fn look(
+    matter: &Matter,
+    (now, rest): (&Core, &Core),
+    state: &mut DeformableState,
+    (coordinates, nodes): (&mut [Lane], &mut [Lane]),
+) -> Follows {
+    if state.following.now.positions.is_empty() {
+        return Follows::On;
+    }
+    if state.following.next.is_set {
+        state.following.age += 1;
+        return Follows::On;
+    }
+    let round = state.following.step as usize % ROUND;
+    state.following.step = (round as u32 + 1) % ROUND as u32;
+    lanes(&state.positions, coordinates);
+    let places = matter.nodes_of(coordinates, nodes);
+    let is_set = state.following.now.is_set;
+    if is_set && round == 0 && rest.cells.grown(places, 0, 1) <= BACK_AT_REST {
+        state.following.now.is_set = false;
+        return Follows::AtRest;
+    }
+    if now.cells.grown(places, round, ROUND) <= MOST_GROWN {
+        return Follows::On;
+    }
+    let mut next = std::mem::take(&mut state.following.next);
+    next.set(state);
+    (state.following.next, state.following.age) = (next, 0);
+    Follows::Begun
+}
+
+/// A matrix that was made elsewhere.
+#[derive(Clone, Debug)]
+pub struct Made(pub(super) Arc<Core>);
+
+/// Nodes of a shape.
+pub(super) fn nodes_of(matter: &Matter, shape: &Shape) -> Vec<Lane> {
+    lanes_of(&matter.map.nodes(&shape.positions))
+}
