@@ -41,5 +41,5 @@ pub use range::{MOST_COORDINATE_M, direction_of, first_outside};
 pub use state::{
     SavedState, StateError, StateSink, StateSize, StateSource, Stateful, state_hash, state_size,
 };
-pub use turn::{rotation_by, turn_between};
+pub use turn::{rotation_by, rotation_onto, turn_between};
 pub use walk::{Coded, Restorer, Saver, Triple};

@@ -1,6 +1,6 @@
 //! Pseudo-random numbers with a fixed sequence, for tests, benches and sampling.
 
-use super::{Rotation, Vector3};
+use super::{Rotation, Vector3, rotation_by};
 
 /// SplitMix64 (Steele, Lea & Flood, 2014): one word of state, the same sequence on every machine.
 /// The field is the seed.
@@ -44,7 +44,7 @@ impl Random {
 
     /// A rotation about any axis, by up to 5.2 rad.
     pub fn rotation(&mut self) -> Rotation {
-        Rotation::from_scaled_axis(self.vector() * 3.0)
+        rotation_by(&(self.vector() * 3.0))
     }
 
     /// In low ..= high.

@@ -4,6 +4,8 @@ use super::{Rotation, Vector3};
 
 /// Below this angle, rad, series are exact to rounding.
 const SMALL: f64 = 1e-4;
+/// Unit vectors whose sum is shorter have no axis between them that rounding leaves.
+const OPPOSITE: f64 = 1e-8;
 
 /// The rotation by a vector (exponential map).
 pub fn rotation_by(turn: &Vector3) -> Rotation {
@@ -17,6 +19,22 @@ pub fn rotation_by(turn: &Vector3) -> Rotation {
     };
     let v = turn * share;
     Rotation::new_unchecked(nalgebra::Quaternion::new(cosine, v.x, v.y, v.z))
+}
+
+/// The shortest rotation from one direction to another, neither of them zero; a half turn about any
+/// axis across where they are opposite.
+pub fn rotation_onto(from: &Vector3, to: &Vector3) -> Rotation {
+    let (a, b) = (from.normalize(), to.normalize());
+    let both = a + b;
+    let (w, v) = if both.norm() > OPPOSITE {
+        // |a + b|² / 2 is 1 + cos.
+        (0.5 * both.norm_squared(), a.cross(&b))
+    } else {
+        let mut aside = Vector3::zeros();
+        aside[a.iamin()] = 1.0;
+        (0.0, a.cross(&aside))
+    };
+    Rotation::new_normalize(nalgebra::Quaternion::new(w, v.x, v.y, v.z))
 }
 
 /// The vector by which `from` turns into `to`, in the frame in which both are given; by the short
@@ -41,6 +59,7 @@ pub fn turn_between(from: &Rotation, to: &Rotation) -> Vector3 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Random;
     use super::*;
 
     #[test]
@@ -69,6 +88,28 @@ mod tests {
                 "{angle}: {back} is not {}",
                 axis * angle
             );
+        }
+    }
+
+    #[test]
+    fn one_direction_turns_onto_another_the_short_way() {
+        let mut random = Random(7);
+        for k in 0..2_000 {
+            let from = random.vector();
+            // Anywhere, near, nearly opposite, the same, opposite.
+            let to = match k % 5 {
+                0 => random.vector(),
+                1 => from + random.vector() * 1e-9,
+                2 => random.vector() * 1e-5 - from,
+                3 => from * 2.0,
+                _ => -from,
+            };
+            let turn = rotation_onto(&from, &to);
+            let (there, goal) = (turn * from.normalize(), to.normalize());
+            assert!((there - goal).norm() < 1e-10, "{from:?} to {to:?}");
+            let angle = libm::atan2(from.cross(&to).norm(), from.dot(&to));
+            let turned = turn_between(&Rotation::identity(), &turn).norm();
+            assert!((turned - angle).abs() < 1e-10, "{turned} is not {angle}");
         }
     }
 

@@ -194,7 +194,7 @@ impl PrincipalAxes {
             let u = libm::atan2(y, x) / TAU;
             (
                 if u < 0.0 { u + 1.0 } else { u },
-                libm::atan2(x.hypot(y), z) / PI,
+                libm::atan2(libm::hypot(x, y), z) / PI,
             )
         };
         points.iter().map(angle).collect()

@@ -107,14 +107,14 @@ impl Surface {
         let xy = -(m - l * b / a) / (a * d);
         let yy = -(n - 2.0 * m * b / a + l * b * b / (a * a)) / (d * d);
         let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
-        let radius = half.hypot(xy);
+        let radius = libm::hypot(half, xy);
         // Of the two rows that give the eigenvector, the one that does not cancel.
         let (cos, sin) = if half >= 0.0 {
             (half + radius, xy)
         } else {
             (xy, radius - half)
         };
-        let length = cos.hypot(sin);
+        let length = libm::hypot(cos, sin);
         let direction_max = if length > 0.0 {
             (x * cos + y * sin) / length
         } else {

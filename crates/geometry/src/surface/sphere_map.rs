@@ -10,7 +10,7 @@
 //! equal lengths on the shell.
 
 use super::shell::Shell;
-use crate::math::{Point3, Vector3};
+use crate::math::{Point3, Vector3, rotation_onto};
 
 /// Steps of the flow at most; a ball with bumps needs 10, a long tube 60.
 const MOST_STEPS: usize = 150;
@@ -337,11 +337,7 @@ impl Laplacian {
 /// The sphere turned until `south` is at −z, then, in the plane of the stereographic projection from
 /// `north`, moved and back: `north` comes to +z, angles are kept.
 fn between_poles(sphere: &[Vector3], south: usize, north: usize) -> Vec<Vector3> {
-    let pole = sphere[north];
-    let turn =
-        nalgebra::UnitQuaternion::rotation_between(&pole, &Vector3::z()).unwrap_or_else(|| {
-            nalgebra::UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI)
-        });
+    let turn = rotation_onto(&sphere[north], &Vector3::z());
     let turned: Vec<Vector3> = sphere.iter().map(|p| turn * p).collect();
     let plane = |p: &Vector3| {
         let down = (1.0 - p.z).max(1e-14);

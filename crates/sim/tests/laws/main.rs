@@ -1,5 +1,7 @@
 //! Laws of the simulation: forces, rest, energy, friction, couplings, refusals.
 
+#![allow(clippy::disallowed_methods)]
+
 mod apart;
 mod bending;
 mod bounce;

@@ -156,7 +156,7 @@ fn short(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();
     }
-    let power = value.abs().log10().floor();
+    let power = libm::log10(value.abs()).floor();
     let unit = 10_f64.powi(2 - power as i32);
     let rounded = (value * unit).round() / unit;
     match (1e-3..1e5).contains(&rounded.abs()) {

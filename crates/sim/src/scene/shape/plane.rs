@@ -4,7 +4,7 @@ use super::interface::Shape;
 use super::outline;
 use crate::scene::door::At;
 use palpate_geometry::contact::ToolShape;
-use palpate_geometry::math::{Rotation, Vector3};
+use palpate_geometry::math::{Vector3, rotation_onto};
 use palpate_geometry::surface::Mesh;
 use serde::{Deserialize, Serialize};
 
@@ -30,9 +30,7 @@ impl Shape for Plane {
     fn outline(&self, _built: &ToolShape, view_m: f64) -> Mesh {
         let half = 0.5 * view_m;
         let mut plate = outline::cuboid([half, half, 0.5 * THICKNESS * view_m]);
-        let turn = Rotation::rotation_between(&Vector3::z(), &Vector3::from(self.normal));
-        let turn = turn
-            .unwrap_or_else(|| Rotation::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI));
+        let turn = rotation_onto(&Vector3::z(), &Vector3::from(self.normal));
         for point in &mut plate.points {
             point.z -= 0.5 * THICKNESS * view_m;
             *point = turn * *point;
