@@ -9,6 +9,7 @@ pub mod driver;
 pub mod editor;
 mod inbox;
 pub mod journal;
+mod maker;
 pub mod nets;
 pub mod overload;
 pub mod pacer;

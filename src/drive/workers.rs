@@ -8,7 +8,8 @@
 //! Jobs go round between two rings, so nothing is allocated and nothing locked.
 
 use palpate_geometry::math::{Point3, Vector3};
-use palpate_sim::body::{DeformableScratch, DeformableState, Field};
+use super::maker::Maker;
+use palpate_sim::body::{DeformableScratch, DeformableState, Field, Made};
 use palpate_sim::scene::Scene;
 use palpate_sim::tick::Pipeline;
 use std::sync::Arc;
@@ -23,11 +24,12 @@ struct BodyStep {
     scratch: DeformableScratch,
 }
 
-/// A worker for each body that steps once in several ticks.
+/// A worker for each body that steps once in several ticks, and one that makes matrices for those that are strained.
 #[derive(Debug)]
 pub struct Workers {
     /// By body.
     workers: Vec<Option<Worker>>,
+    maker: Option<Maker>,
 }
 
 /// Two threads for one body: after a reset the next step begins on the other one, so that nothing
@@ -68,10 +70,9 @@ impl Workers {
         let workers = (0..scene.body_count())
             .map(start)
             .collect::<Result<Vec<_>, _>>()?;
-        Ok(workers
-            .iter()
-            .any(Option::is_some)
-            .then_some(Self { workers }))
+        let maker = Maker::start(scene)?;
+        let any = maker.is_some() || workers.iter().any(Option::is_some);
+        Ok(any.then_some(Self { workers, maker }))
     }
 }
 
@@ -225,7 +226,24 @@ impl Pipeline for Workers {
         true
     }
 
+    fn make(&mut self, body: usize, state: &DeformableState) {
+        if let Some(maker) = &mut self.maker {
+            maker.make(body, state);
+        }
+    }
+
+    fn is_made(&mut self, body: usize) -> bool {
+        (self.maker.as_mut()).is_none_or(|maker| maker.is_ready(body))
+    }
+
+    fn made(&mut self, body: usize, old: Option<Made>) -> Option<Made> {
+        self.maker.as_mut()?.made(body, old)
+    }
+
     fn cancel(&mut self) {
+        if let Some(maker) = &mut self.maker {
+            maker.wanted.fill(false);
+        }
         for worker in self.workers.iter_mut().flatten() {
             if !worker.lane().is_idle() {
                 worker.lane().forgotten = true;

@@ -5,6 +5,7 @@ use super::follow::Made;
 use super::frame::Frame;
 use super::rigid_motion::Inertia;
 use crate::in_place::clone_in_place;
+use crate::solve::rigid_part::RigidPart;
 use palpate_geometry::math::{Lane, Rows, Vector3};
 
 /// Fewest and most steps that are left to a firmer matrix once one cannot follow.
@@ -92,6 +93,8 @@ pub(super) struct ImplicitScratch {
     pub(super) taut: usize,
     /// Of a free body, where its step starts.
     pub(super) inertia: Option<Inertia>,
+    /// How its rigid motions answer, once contact has asked for it.
+    pub(super) rigid: RigidPart,
     /// The core that was made where the body is, in place of that of rest.
     pub(super) followed: Option<Made>,
 }

@@ -22,6 +22,7 @@ use super::rigid_velocity::RigidVelocity;
 use super::settings::{DeformableError, StepSettings};
 use super::state::{DeformableScratch, DeformableState};
 use super::stepper::Stepper;
+use crate::solve::rigid_part::RigidPart;
 use palpate_geometry::math::{Point3, Vector3};
 
 /// Of the weight of a body that lies on others: how far its contact forces may be from bearing it.
@@ -69,6 +70,11 @@ impl Deformable {
             guard,
             outline,
         })
+    }
+
+    /// The body without its step.
+    pub(super) fn matter(&self) -> &Matter {
+        &self.matter
     }
 
     /// Has the body start with a velocity, m/s, and an angular velocity about its centre of mass, rad/s,
@@ -159,10 +165,7 @@ impl Deformable {
         scratch
             .carried
             .extend(acting.map(|(&c, &force)| (c, force)));
-        scratch.turning = self.matter.is_free().then(|| {
-            let (places, velocities) = (&state.positions, &state.velocities);
-            Momentum::of(&self.matter, places, velocities).rigid(&self.matter, places)
-        });
+        scratch.turning = self.matter.turning(state);
         if let Some(turning) = scratch.turning.filter(|_| ahead_s > 0.0) {
             for (reached, x) in scratch.reached.iter_mut().zip(&state.positions) {
                 *reached += turning.inwards(x, dt);
@@ -284,6 +287,15 @@ impl Deformable {
         scratch.share = self.guard.share(matter, &scratch.pull, &mut scratch.nodes);
     }
 
+    /// By coordinate, how far contact forces took a step that arrived against those that it was predicted with, m.
+    pub(crate) fn went<'a>(
+        &self,
+        scratch: &'a DeformableScratch,
+    ) -> Option<impl Fn(usize) -> Vector3 + use<'a>> {
+        let is_implicit = matches!(self.stepper, Stepper::Implicit(_));
+        (scratch.arrived && is_implicit).then_some(|c: usize| scratch.reached[c] - scratch.predicted[c])
+    }
+
     /// The share of the motion of the step that the body can follow: 1, or less.
     pub fn share(&self, scratch: &DeformableScratch) -> f64 {
         match scratch.arrived {
@@ -382,6 +394,14 @@ impl Deformable {
         scratch.follows
     }
 
+    /// It may ask for a matrix that follows it.
+    pub fn makes_matrices(&self) -> bool {
+        match &self.stepper {
+            Stepper::Implicit(implicit) => implicit.pressure_lanes(&self.matter) > 0,
+            Stepper::Explicit(_) | Stepper::Xpbd(_) => false,
+        }
+    }
+
     /// Makes the matrix that a body is to take over. It may be made anywhere: the same state makes the same one.
     pub fn make(&self, state: &DeformableState) -> Option<Made> {
         match &self.stepper {
@@ -390,6 +410,11 @@ impl Deformable {
             }
             _ => None,
         }
+    }
+
+    /// The matrix that one takes the place of which is [due](Following::is_due).
+    pub fn let_go(&self, scratch: &mut DeformableScratch) -> Option<Made> {
+        scratch.implicit.followed.take()
     }
 
     /// Takes over the matrix that is [due](Following::is_due). Without one that was made elsewhere it is made here.
@@ -635,6 +660,20 @@ impl Deformable {
             Stepper::Implicit(_) => (scratch.implicit).frame(self.matter.unknown[coordinate] as usize),
             Stepper::Explicit(_) | Stepper::Xpbd(_) => &IDENTITY,
         }
+    }
+
+    /// Finds how the rigid motions of a free body answer loads in the step that the scratch stands for: what touches it
+    /// asks for that.
+    pub(crate) fn find_rigid_part(&self, state: &DeformableState, scratch: &mut DeformableScratch) {
+        if let Stepper::Implicit(implicit) = &self.stepper {
+            implicit.find_rigid_part(&self.matter, &state.positions, scratch);
+        }
+    }
+
+    /// What was found; `None` of a body that something holds.
+    pub(crate) fn rigid_part<'a>(&self, scratch: &'a DeformableScratch) -> Option<&'a RigidPart> {
+        let implicit = &scratch.implicit;
+        (implicit.inertia.is_some()).then_some(&implicit.rigid)
     }
 
     /// Contact forces (N) by coordinate of the net with which the free motion of the scratch was predicted.

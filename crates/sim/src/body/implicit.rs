@@ -32,6 +32,7 @@ use super::node_map::NodeMap;
 use super::rigid_motion::Inertia;
 use super::settings::{DeformableError, FallBack, StepMatrix};
 use super::state::{DeformableScratch, DeformableState};
+use crate::solve::rigid_part::RigidPart;
 use matrices::{bounding, tangents};
 use palpate_geometry::math::{Lane, Point3, Rows, SymmetricTriplets, Vector3};
 use std::sync::Arc;
@@ -189,6 +190,14 @@ impl ImplicitStep {
             core: 0,
             taut: 0,
             inertia: None,
+            rigid: RigidPart {
+                arms: vec![Vector3::zeros(); if matter.is_free() { matter.surface.len() } else { 0 }],
+                answers: vec![
+                    [Vector3::zeros(); 6];
+                    if matter.is_free() { matter.surface.len() } else { 0 }
+                ],
+                ..RigidPart::default()
+            },
             followed: None,
         }
     }
@@ -452,6 +461,57 @@ impl ImplicitStep {
         }
         if let (Some(inertia), Some(rigid)) = (&implicit.inertia, rigid) {
             inertia.set_rigid(matter, from, &rigid, &mut implicit.moved);
+        }
+    }
+
+    /// Finds how the rigid motions of a free body answer in this step: H = R B⁻¹ Rᵀ M T on the net, and Tᵀ M H.
+    pub(super) fn find_rigid_part(
+        &self,
+        matter: &Matter,
+        from: &[Point3],
+        scratch: &mut DeformableScratch,
+    ) {
+        let ImplicitScratch {
+            inertia,
+            rigid,
+            rows,
+            frames,
+            work,
+            followed,
+            core,
+            ..
+        } = &mut scratch.implicit;
+        let Some(inertia) = inertia else { return };
+        let own = &self.cores[*core];
+        let core = followed.as_ref().map_or(own, |made| &*made.0);
+        let dt = matter.settings.dt_s;
+        rigid.inverse = (1.0 / inertia.mass_kg, inertia.inverse);
+        rigid.square_s2 = dt * dt;
+        for (arm, &c) in rigid.arms.iter_mut().zip(&matter.surface) {
+            *arm = from[c as usize] - inertia.centre;
+        }
+        for k in 0..6 {
+            let motion = inertia.unit(k);
+            // Nothing holds the body: unknowns are its coordinates.
+            let each = rows.iter_mut().zip(frames.iter());
+            for ((row, frame), (x, m)) in each.zip(from.iter().zip(&matter.masses)) {
+                let load = motion.velocity(x) * *m;
+                *row = into_rest(frame, &[load.x, load.y, load.z, 0.0]);
+            }
+            core.factor.solve(rows, work);
+            let (mut linear, mut angular) = (Vector3::zeros(), Vector3::zeros());
+            let each = rows.iter_mut().zip(frames.iter());
+            for ((row, frame), (x, m)) in each.zip(from.iter().zip(&matter.masses)) {
+                *row = from_rest(frame, row);
+                let moved = Vector3::new(row[0], row[1], row[2]) * *m;
+                linear += moved;
+                angular += (x - inertia.centre).cross(&moved);
+            }
+            rigid.whole[k] = [linear, angular];
+            for (answer, &c) in rigid.answers.iter_mut().zip(&matter.surface) {
+                let [x, y, z, _] = rows[c as usize];
+                answer[k] = Vector3::new(x, y, z);
+            }
         }
     }
 

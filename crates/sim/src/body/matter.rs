@@ -12,6 +12,7 @@ use super::follow::Follows;
 use super::material::Plastic;
 use super::node_map::NodeMap;
 use super::plastic::Flow;
+use super::rigid_motion::Momentum;
 use super::rigid_velocity::RigidVelocity;
 use super::settings::{DeformableError, StepSettings};
 use super::state::{DeformableScratch, DeformableState};
@@ -303,6 +304,12 @@ impl Matter {
                 map.add_transposed(node_residual, residual);
             }
         }
+    }
+
+    /// The rigid motion of a free body at a state.
+    pub fn turning(&self, state: &DeformableState) -> Option<RigidVelocity> {
+        let (places, velocities) = (&state.positions, &state.velocities);
+        (self.is_free()).then(|| Momentum::of(self, places, velocities).rigid(self, places))
     }
 
     /// Moves the coordinates of the scratch, at which the law is asked, from where the step has come ahead by d ẋ,

@@ -27,6 +27,7 @@ mod guard;
 mod harmonic;
 mod implicit;
 mod lattice;
+mod ledger;
 pub mod layers;
 mod look_ahead;
 mod material;
@@ -62,6 +63,7 @@ pub use exterior::{CONDITION_LIMIT, ExteriorError, ExteriorMap, check_exterior, 
 pub use field::Field;
 pub use follow::{Following, Follows, Made, Shape};
 pub use lattice::{Inside, Solid};
+pub use ledger::Ledger;
 pub use material::{Material, PRESETS, Plastic, Preset, Stiffening, preset};
 pub use matter::{Blueprint, Grain};
 pub use membrane::membrane;

@@ -133,6 +133,20 @@ impl Inertia {
         }
     }
 
+    /// One of the six motions at 1 m/s along an axis, or 1 rad/s about it.
+    pub fn unit(&self, k: usize) -> RigidVelocity {
+        let mut motion = RigidVelocity {
+            centre: self.centre,
+            linear: Vector3::zeros(),
+            angular: Vector3::zeros(),
+        };
+        match k < 3 {
+            true => motion.linear[k] = 1.0,
+            false => motion.angular[k - 3] = 1.0,
+        }
+        motion
+    }
+
     fn moved_by(&self, force: Vector3, torque: Vector3) -> RigidVelocity {
         RigidVelocity {
             centre: self.centre,

@@ -3,7 +3,7 @@
 use super::flight::RigidMotion;
 use super::pipeline::Pipeline;
 use super::tool::ToolState;
-use crate::body::{DeformableState, FallBack, Field};
+use crate::body::{DeformableState, FallBack, Field, Ledger};
 use crate::solve::indentation::Resolution;
 use crate::solve::rows::{Row, RowSet};
 use crate::solve::solver::Solver;
@@ -58,7 +58,14 @@ pub(crate) trait Party {
 
     /// Contacts: takes from the gaps of its rows what the contact forces of the last tick, with which its motion was
     /// predicted, move them.
-    fn take_back(&self, _scratch: &Self::Scratch, _rows: &mut RowSet, _solver: &mut Solver) {}
+    fn take_back(
+        &self,
+        _state: &Self::State,
+        _scratch: &mut Self::Scratch,
+        _rows: &mut RowSet,
+        _solver: &mut Solver,
+    ) {
+    }
 
     /// Solve: adds to the matrix how forces on its rows move them.
     fn respond(&self, _state: &Self::State, _scratch: &Self::Scratch, _problem: &mut Problem<'_>) {}
@@ -104,6 +111,9 @@ pub(crate) trait Party {
     fn arrive(&self, _state: &Self::State, _scratch: &mut Self::Scratch) -> f64 {
         1.0
     }
+
+    /// Asserts that it went where its response said.
+    fn check_arrival(&self, _scratch: &Self::Scratch, _rows: &RowSet, _solver: &mut Solver) {}
 
     /// Takes no more than a share of that motion, and of the forces.
     fn shorten(&self, _state: &Self::State, _scratch: &mut Self::Scratch, _share: f64) {}
@@ -197,4 +207,6 @@ pub(crate) struct Ended {
     pub residual_n: Option<f64>,
     /// Norm of the contact forces, N.
     pub contact_n: f64,
+    /// Where its energy went; none where the tick ended no step.
+    pub energy: Option<Ledger>,
 }

@@ -9,6 +9,7 @@ use crate::body::{
 use crate::solve::delassus::{Compliance, Delassus, Frame};
 use crate::scene::{Body, DeformingBody};
 use crate::solve::indentation::Resolution;
+use crate::solve::rigid_part::RigidPart;
 use crate::solve::rows::{DeformingView, Row, RowSet};
 use crate::solve::solver::Solver;
 use crate::tick::quality;
@@ -38,6 +39,10 @@ impl Compliance for Answers<'_> {
 
     fn frame(&self, place: usize) -> &Frame {
         self.deformable.frame_of(self.scratch, place)
+    }
+
+    fn rigid(&self) -> Option<&RigidPart> {
+        self.deformable.rigid_part(self.scratch)
     }
 }
 
@@ -147,18 +152,29 @@ impl Party for Of<'_, &DeformingBody> {
         });
     }
 
-    fn take_back(&self, scratch: &BodyScratch, rows: &mut RowSet, solver: &mut Solver) {
+    fn take_back(
+        &self,
+        state: &BodyState,
+        scratch: &mut BodyScratch,
+        rows: &mut RowSet,
+        solver: &mut Solver,
+    ) {
+        let (Some(nodes), Some(deforming)) = (&state.deformable, &mut scratch.deforming) else {
+            return;
+        };
+        let delassus = &mut solver.delassus;
+        self.gather(rows, delassus);
+        if delassus.is_empty() {
+            return;
+        }
+        let deformable = &self.kind.deformable;
+        deformable.find_rigid_part(nodes, &mut deforming.deformable);
         let Some(compliance) = self.compliance(scratch) else {
             return;
         };
-        let carried = compliance.deformable.carried(compliance.scratch);
-        if carried.is_empty() {
-            return;
-        }
-        let delassus = &mut solver.delassus;
-        self.gather(rows, delassus);
-        let loads = carried.iter().filter_map(|&(coordinate, force)| {
-            Some((compliance.deformable.surface_place(coordinate as usize)?, force))
+        let carried = deformable.carried(compliance.scratch).iter();
+        let loads = carried.filter_map(|&(coordinate, force)| {
+            Some((deformable.surface_place(coordinate as usize)?, force))
         });
         delassus.each_moved(&compliance, loads, |i, moved| rows.rows[i].take_back(&moved));
     }
@@ -246,6 +262,43 @@ impl Party for Of<'_, &DeformingBody> {
         let deformable = &self.kind.deformable;
         deformable.arrive(nodes, &mut deforming.deformable);
         deformable.share(&deforming.deformable)
+    }
+
+    fn check_arrival(&self, scratch: &BodyScratch, rows: &RowSet, solver: &mut Solver) {
+        let Some(compliance) = self.compliance(scratch) else {
+            return;
+        };
+        let (deformable, scratch) = (compliance.deformable, compliance.scratch);
+        let Some(went) = deformable.went(scratch).filter(|_| self.kind.every == 1) else {
+            return;
+        };
+        let delassus = &mut solver.delassus;
+        self.gather(rows, delassus);
+        let loads = deformable.carried(scratch).iter().filter_map(|&(coordinate, force)| {
+            Some((deformable.surface_place(coordinate as usize)?, force))
+        });
+        delassus.each_moved(&compliance, loads, |i, moved| {
+            let row = &rows.rows[i];
+            let (mut found, mut size) = (Vector3::zeros(), 0.0);
+            for (sign, side) in row.sides_on(self.index) {
+                let (controls, weights) = rows.weights_in(side);
+                for (&control, &weight) in controls.iter().zip(weights) {
+                    let moved = went(deformable.coordinate_of_control(control as usize));
+                    found += moved * (sign * weight);
+                    size += moved.norm() * weight.abs();
+                }
+            }
+            // Of two bodies each has moved the row.
+            let alone = row.tool().is_some();
+            let off = (moved - row.forced - found).norm();
+            let least = f64::EPSILON * self.body.size_m;
+            let most = 1e-5 * (size + moved.norm() + row.forced.norm()) + least;
+            debug_assert!(
+                !alone || off <= most || off.is_nan(),
+                "row {i}: forces move the body {} m, not {found}",
+                moved - row.forced
+            );
+        });
     }
 
     fn shorten(&self, state: &BodyState, scratch: &mut BodyScratch, share: f64) {
@@ -374,7 +427,9 @@ impl Party for Of<'_, &DeformingBody> {
         let ends = moved && state.phase == 0;
         let residual = || (self.kind.deformable).residual(&begun.before, after, begun.field);
         let residual = if ends { residual() } else { None };
+        let energy = || (self.kind.deformable).ledger(&begun.before, after, begun.field);
         Some(Ended {
+            energy: if ends { energy() } else { None },
             residual_n: residual.map(|forces| norm(&forces)),
             contact_n: norm(&after.contact_n),
         })
@@ -408,7 +463,8 @@ impl Of<'_, &DeformingBody> {
             pipeline.make(self.index, nodes);
         }
         if nodes.following.is_due() {
-            let made = (pipeline.as_mut()).and_then(|pipeline| pipeline.made(self.index));
+            let old = deformable.let_go(scratch);
+            let made = (pipeline.as_mut()).and_then(|pipeline| pipeline.made(self.index, old));
             deformable.take_over(nodes, scratch, made);
         }
     }

@@ -31,8 +31,9 @@ pub trait Pipeline: Send + std::fmt::Debug {
     fn is_made(&mut self, _body: usize) -> bool {
         true
     }
-    /// Waits for that matrix. `None` if none was begun: it is then made in the tick.
-    fn made(&mut self, _body: usize) -> Option<Made> {
+    /// Waits for that matrix, and takes the one that it replaces, to be dropped elsewhere. `None` if none was begun: it is
+    /// then made in the tick.
+    fn made(&mut self, _body: usize, _old: Option<Made>) -> Option<Made> {
         None
     }
     /// Forgets all steps and matrices that were begun.

@@ -5,7 +5,7 @@
 //! computed here from the parties alone, beside the matrix that the solve used, and a debug build
 //! compares both.
 
-use crate::body::FallBack;
+use crate::body::{FallBack, Ledger};
 use crate::party::{Begun, BodyScratch, BodyState, Party as _, Problem};
 use crate::scene::Scene;
 use crate::solve::friction::FrictionLaw;
@@ -89,8 +89,7 @@ pub struct ComplianceExplained {
 pub struct BodyExplained {
     /// Its id.
     pub body: String,
-    /// Norm over all coordinates of M (z − y)/dt² less all forces at the end of the step, no cell held
-    /// back, N; none where the tick ended no step of a matrix.
+    /// Norm over all coordinates of M (z − y)/dt² less all forces at the end of the step, N; none where the tick ended no step of a matrix.
     pub residual_n: Option<f64>,
     /// Norm of the contact forces on its coordinates, N, to compare it with.
     pub contact_n: f64,
@@ -98,6 +97,8 @@ pub struct BodyExplained {
     pub matrix: Option<&'static str>,
     /// The fall-back of the step that acts, if one does.
     pub fall_back: Option<FallBack>,
+    /// Where the energy of the step went; none where the tick ended no step of a matrix.
+    pub energy: Option<Ledger>,
 }
 
 /// The tick after contact has been solved and before bodies move.
@@ -236,6 +237,7 @@ pub(crate) fn of_bodies(
             contact_n: ended.contact_n,
             matrix: step.matrix,
             fall_back: step.fall_back,
+            energy: ended.energy,
         })
     });
     ended.collect()

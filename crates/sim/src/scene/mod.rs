@@ -211,6 +211,12 @@ impl Scene {
         matches!(&self.bodies[body].model, BodyModel::Deforming(model) if model.every > 1)
     }
 
+    /// True when a body may ask for a matrix that follows it.
+    pub fn makes_matrices(&self, body: usize) -> bool {
+        let deformable = self.deformable(body);
+        !self.steps_apart(body) && deformable.is_some_and(Deformable::makes_matrices)
+    }
+
     /// A body steps once in so many ticks; 1 for what does not deform.
     pub fn steps_every(&self, body: usize) -> u32 {
         match &self.bodies[body].model {

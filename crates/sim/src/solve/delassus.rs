@@ -4,6 +4,7 @@
 //! Rows share control points, so each block that matters is read once for a batch of sides. Blocks stand between frames
 //! that turn with the body: directions are turned into the frame of each control point, displacements back.
 
+use super::rigid_part::{Loads, RigidPart};
 use palpate_geometry::math::lanes::{Baseline, Lanes};
 use palpate_geometry::math::{Lane, Vector3, simd};
 
@@ -23,6 +24,10 @@ pub trait Compliance {
     fn column(&self, place: usize) -> &[[f32; 9]];
     /// The frame of a place.
     fn frame(&self, place: usize) -> &Frame;
+    /// Of a free body, what rigid motions add.
+    fn rigid(&self) -> Option<&RigidPart> {
+        None
+    }
 }
 
 /// Buffers for up to a number of sides of rows on one body.
@@ -174,13 +179,38 @@ impl Delassus {
     ) {
         let wanted = match normal_of {
             Some(normal_of) => {
-                self.turn::<1>(compliance, &|row| [normal_of(row)]);
-                return self.run::<1>(compliance, add);
+                return self.run::<1>(compliance, &|row| [normal_of(row)], add);
             }
             None => [Vector3::x(), Vector3::y(), Vector3::z()],
         };
-        self.turn::<3>(compliance, &|_| wanted);
-        self.run::<3>(compliance, add);
+        self.run::<3>(compliance, &|_| wanted, add);
+    }
+
+    /// Adds what the rigid motions of a free body do at the slots, in the world.
+    fn add_rigid<const C: usize>(
+        &mut self,
+        rigid: &RigidPart,
+        of_row: &dyn Fn(usize) -> [Vector3; C],
+        sides: std::ops::Range<usize>,
+    ) {
+        let slots = self.concerned.len();
+        for (k, side) in self.sides[sides].iter().enumerate() {
+            let mut loads = [Loads::default(); C];
+            let wanted = of_row(side.row as usize);
+            for entry in &self.entries[side.start as usize..side.end as usize] {
+                let place = self.concerned[entry.slot as usize].place as usize;
+                for (loads, way) in loads.iter_mut().zip(&wanted) {
+                    rigid.add(place, &(way * entry.weight), loads);
+                }
+            }
+            let amounts = loads.map(|loads| rigid.amounts(&loads));
+            let response = &mut self.response[C * slots * k..C * slots * (k + 1)];
+            for (moved, seen) in response.chunks_exact_mut(C).zip(&self.concerned) {
+                for (moved, amounts) in moved.iter_mut().zip(&amounts) {
+                    add_to(moved, &rigid.moved(seen.place as usize, amounts));
+                }
+            }
+        }
     }
 
     /// Directions of all entries in the frames of their places.
@@ -204,12 +234,17 @@ impl Delassus {
     fn run<const C: usize>(
         &mut self,
         compliance: &impl Compliance,
+        of_row: &dyn Fn(usize) -> [Vector3; C],
         mut add: impl FnMut(PairOfSides),
     ) {
+        self.turn::<C>(compliance, of_row);
         for first in (0..self.sides.len()).step_by(BATCH) {
             let last = (first + BATCH).min(self.sides.len());
             self.respond::<C>(compliance, first, last);
             self.turn_back::<C>(compliance, last - first);
+            if let Some(rigid) = compliance.rigid() {
+                self.add_rigid::<C>(rigid, of_row, first..last);
+            }
             for s in first..last {
                 for t in 0..=s {
                     add(self.pair::<C>(s, t, first));
@@ -287,7 +322,11 @@ impl Delassus {
     ) {
         let slots = self.concerned.len();
         self.response[..slots].fill([0.0; 4]);
+        let (rigid, mut sum) = (compliance.rigid(), Loads::default());
         for (place, force) in loads {
+            if let Some(rigid) = rigid {
+                rigid.add(place, &force, &mut sum);
+            }
             self.directions[0] = into_rest(compliance.frame(place), &force, 1.0);
             let batch = Batch {
                 entries: &[(0, 0)],
@@ -298,6 +337,12 @@ impl Delassus {
             batch.add::<1>(compliance.column(place), &mut self.response);
         }
         self.turn_back::<1>(compliance, 1);
+        if let Some(rigid) = rigid {
+            let amounts = rigid.amounts(&sum);
+            for (moved, seen) in self.response.iter_mut().zip(&self.concerned) {
+                add_to(moved, &rigid.moved(seen.place as usize, &amounts));
+            }
+        }
         for side in &self.sides {
             let mut moved = Vector3::zeros();
             for entry in &self.entries[side.start as usize..side.end as usize] {
@@ -306,6 +351,12 @@ impl Delassus {
             }
             add(side.row as usize, moved);
         }
+    }
+}
+
+fn add_to(lane: &mut Lane, v: &Vector3) {
+    for (to, part) in lane.iter_mut().zip(v.iter()) {
+        *to += part;
     }
 }
 

@@ -23,6 +23,7 @@ pub mod hold;
 pub mod indentation;
 pub mod matrix;
 pub mod proxy;
+pub mod rigid_part;
 pub mod row_key;
 pub mod rows;
 pub mod sharing;

@@ -25,6 +25,9 @@ pub(super) fn arrive(balance: &mut Balance<'_>, shares: &mut [f64]) {
     }
     for (b, body) in scene.parties().enumerate() {
         shares[b] = body.arrive(&states[b], &mut bodies[b]);
+        if cfg!(debug_assertions) {
+            body.check_arrival(&bodies[b], rows, solver);
+        }
     }
     if shares.iter().all(|share| *share >= 1.0) {
         return;

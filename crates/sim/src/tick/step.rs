@@ -187,7 +187,7 @@ fn contacts(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, moving
         touches: &mut solver.touches,
     });
     for (b, body) in scene.parties().enumerate() {
-        body.take_back(&parts[b], rows, solver);
+        body.take_back(&bodies[b], &mut parts[b], rows, solver);
     }
 }
 
