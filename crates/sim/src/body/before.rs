@@ -3,7 +3,6 @@
 //! That norm is the product of the residual with its correction, which is there anyway. Where it grows, half of the last
 //! correction is taken back.
 
-use super::caution::ImplicitScratch;
 use super::state::DeformableScratch;
 use palpate_geometry::math::{Lane, Point3, Vector3};
 
@@ -14,7 +13,6 @@ pub(super) struct Before {
     predicted: Vec<Point3>,
     pressures: Vec<Lane>,
     carried: Vec<(u32, Vector3)>,
-    merit_j: f64,
     /// Half of a correction was taken back in this step.
     pub halved: bool,
 }
@@ -27,14 +25,8 @@ impl Before {
             predicted: scratch.predicted.clone(),
             pressures: scratch.implicit.pressures.clone(),
             carried: Vec::with_capacity(2 * scratch.carried.capacity()),
-            merit_j: 0.0,
             halved: false,
         }
-    }
-
-    /// The last residual is larger than the one before.
-    pub fn has_grown(&self, implicit: &ImplicitScratch) -> bool {
-        implicit.merit_j > self.merit_j
     }
 
     /// Remembers where the step was looked at: before the correction in the scratch is added.
@@ -44,7 +36,6 @@ impl Before {
         before.predicted.copy_from_slice(&scratch.predicted);
         before.pressures.copy_from_slice(&scratch.looked);
         before.carried.clone_from(&scratch.carried);
-        before.merit_j = scratch.implicit.merit_j;
     }
 
     /// Goes half of the way back to there.

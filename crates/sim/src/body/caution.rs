@@ -6,7 +6,7 @@ use super::frame::Frame;
 use super::rigid_motion::Inertia;
 use crate::in_place::clone_in_place;
 use crate::solve::rigid_part::RigidPart;
-use palpate_geometry::math::{Lane, Rows, Vector3};
+use palpate_geometry::math::{Lane, Point3, Rows, Vector3};
 
 /// Fewest and most steps that are left to a firmer matrix once one cannot follow.
 const CAUTIOUS_STEPS: [u32; 2] = [16, 1024];
@@ -91,7 +91,9 @@ pub(super) struct ImplicitScratch {
     pub(super) core: usize,
     /// Which of them a sheet as taut as in this step takes.
     pub(super) taut: usize,
-    /// Of a free body, where its step starts.
+    /// (coordinates), m: where the step starts.
+    pub(super) starts: Vec<Point3>,
+    /// Of a free body, there.
     pub(super) inertia: Option<Inertia>,
     /// How its rigid motions answer, once contact has asked for it.
     pub(super) rigid: RigidPart,

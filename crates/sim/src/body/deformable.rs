@@ -188,13 +188,13 @@ impl Deformable {
         scratch: &mut DeformableScratch,
         first: bool,
     ) {
-        implicit.correct(&self.matter, state, scratch, first);
         if first {
             scratch.predicted.copy_from_slice(&scratch.reached);
-            return;
         }
+        implicit.correct(&self.matter, state, scratch, first);
         let unknowns = self.matter.coordinate_of_unknown.iter();
         for (moved, &c) in scratch.implicit.moved.iter().zip(unknowns) {
+            scratch.reached[c as usize] += *moved;
             scratch.predicted[c as usize] += *moved;
         }
     }
@@ -214,18 +214,13 @@ impl Deformable {
             return;
         }
         scratch.at_rest = false;
-        self.take_contact(implicit, state, scratch);
+        self.take_contact(implicit, scratch);
         self.drop_loads(scratch);
         self.correct(implicit, state, scratch, false);
     }
 
     /// Moves `reached` by what the contact forces of the scratch change against those that it knows.
-    fn take_contact(
-        &self,
-        implicit: &ImplicitStep,
-        state: &DeformableState,
-        scratch: &mut DeformableScratch,
-    ) {
+    fn take_contact(&self, implicit: &ImplicitStep, scratch: &mut DeformableScratch) {
         let DeformableScratch {
             carried,
             changed,
@@ -254,7 +249,16 @@ impl Deformable {
         for &(c, force) in changed.iter() {
             residual[c as usize] = [force.x, force.y, force.z, 0.0];
         }
-        implicit.answer(&self.matter, &state.positions, scratch, false);
+        // What the last correction and this one come to together, in the norm of B.
+        let merit_j = |changed: &[(u32, Vector3)], moved: &[Vector3]| -> f64 {
+            let work = |&(c, force): &(u32, Vector3)| {
+                force.dot(&moved[self.matter.unknown[c as usize] as usize])
+            };
+            changed.iter().map(work).sum()
+        };
+        scratch.implicit.merit_j += 2.0 * merit_j(&scratch.changed, &scratch.implicit.moved);
+        implicit.answer(&self.matter, scratch, false);
+        scratch.implicit.merit_j += merit_j(&scratch.changed, &scratch.implicit.moved);
         let unknowns = self.matter.coordinate_of_unknown.iter();
         for (moved, &c) in scratch.implicit.moved.iter().zip(unknowns) {
             scratch.reached[c as usize] += *moved;
@@ -270,7 +274,7 @@ impl Deformable {
         if scratch.loaded.is_empty() && self.asleep(state) {
             return;
         }
-        self.take_contact(implicit, state, scratch);
+        self.take_contact(implicit, scratch);
         scratch.arrived = true;
         let matter = &self.matter;
         let inertia = scratch.implicit.inertia.as_ref();
@@ -664,9 +668,9 @@ impl Deformable {
 
     /// Finds how the rigid motions of a free body answer loads in the step that the scratch stands for: what touches it
     /// asks for that.
-    pub(crate) fn find_rigid_part(&self, state: &DeformableState, scratch: &mut DeformableScratch) {
+    pub(crate) fn find_rigid_part(&self, scratch: &mut DeformableScratch) {
         if let Stepper::Implicit(implicit) = &self.stepper {
-            implicit.find_rigid_part(&self.matter, &state.positions, scratch);
+            implicit.find_rigid_part(&self.matter, scratch);
         }
     }
 

@@ -16,12 +16,14 @@ use std::sync::Arc;
 
 /// Most that an area of a cell may have grown by, as a factor, before a matrix is made anew; and within which that of
 /// rest is taken.
-const MOST_GROWN: f64 = 1.15;
-const BACK_AT_REST: f64 = 1.08;
+const MOST_GROWN: f64 = 1.1;
+const BACK_AT_REST: f64 = 1.06;
+/// Least volume of a cell over its own at rest where one is made.
+const LEAST_VOLUME: f64 = 0.1;
 /// Steps from where a matrix is made until it is taken over.
-pub(super) const DUE: u32 = 64;
+pub(super) const DUE: u32 = 32;
 /// Steps in which all cells are looked at once.
-const ROUND: usize = 16;
+const ROUND: usize = 4;
 
 /// Where a matrix is made.
 #[derive(Debug, Default, PartialEq)]
@@ -216,6 +218,11 @@ pub(super) fn look(
         return Follows::AtRest;
     }
     if now.cells.grown(places, round, ROUND) <= MOST_GROWN {
+        return Follows::On;
+    }
+    // A tangent of crushed cells says little about the body once it has come out of that.
+    let solid = matter.law.continuum.as_ref();
+    if solid.is_none_or(|solid| solid.least_volume(places) < LEAST_VOLUME) {
         return Follows::On;
     }
     let mut next = std::mem::take(&mut state.following.next);

@@ -10,15 +10,13 @@ use super::rigid_motion::Inertia;
 use palpate_geometry::math::lanes::{Baseline, Four, Lanes};
 use palpate_geometry::math::{Lane, Matrix3, Point3, Rotation, Vector3, rotation_by};
 
-/// Most that a cell, or an edge of a sheet, strains in a step where the law is asked.
+/// Most that a cell strains in a step where the law is asked.
 const MOST_STRAIN: f64 = 0.35;
 
-/// Cells side by side, or edges.
+/// Cells side by side.
 #[derive(Debug)]
 pub(super) struct Guard {
     cells: Vec<Cells>,
-    /// Nodes of edges, and one over the squares of their lengths, 1/m².
-    edges: Vec<(u32, u32, f64)>,
     /// No node that moves by one metre strains anything by more, 1/m.
     steepest: f64,
 }
@@ -32,7 +30,7 @@ struct Cells {
 }
 
 impl Guard {
-    /// Of the cells of a solid, or the springs of a sheet.
+    /// Of the cells of a continuum. Springs have their own [`LookAhead`](super::look_ahead::LookAhead).
     pub fn new(matter: &Matter) -> Self {
         let nodes = lanes_of(&matter.map.nodes(&matter.rest));
         let at = |node: u32| {
@@ -41,10 +39,10 @@ impl Guard {
         };
         let mut guard = Self {
             cells: Vec::new(),
-            edges: Vec::new(),
             steepest: 0.0,
         };
-        for four in matter.cells.chunks(4) {
+        let none = matter.law.continuum.is_none();
+        for four in matter.cells.chunks(4).filter(|_| !none) {
             let mut cells = Cells {
                 nodes: four[0].map(|node| [node; 4]),
                 metric: [[0.0; 4]; 6],
@@ -69,16 +67,6 @@ impl Guard {
                 guard.steepest = guard.steepest.max((3.0 * s.trace()).sqrt());
             }
             guard.cells.push(cells);
-        }
-        if matter.cells.is_empty() {
-            for (_, _, a, b, _) in matter.law.springs.each() {
-                let (a, b) = (a as u32, b as u32);
-                let square = (at(a) - at(b)).norm_squared();
-                if square > 0.0 {
-                    guard.edges.push((a, b, 1.0 / square));
-                    guard.steepest = guard.steepest.max(2.0 / square.sqrt());
-                }
-            }
         }
         guard
     }
@@ -112,10 +100,6 @@ impl Guard {
             let mut squares = [0.0; 4];
             stretched::<Baseline>(&cells.nodes, &cells.metric, moved).store(&mut squares);
             squares.into_iter().for_each(&mut see);
-        }
-        for &(a, b, per_square) in &self.edges {
-            let (a, b) = (&moved[a as usize], &moved[b as usize]);
-            see((0..3).map(|k| (b[k] - a[k]).powi(2)).sum::<f64>() * per_square);
         }
         most.sqrt()
     }

@@ -26,6 +26,7 @@ use super::elements::Weight;
 use super::follow::{self, Follows, Made, Shape};
 use super::frame::{Frame, IDENTITY, from_rest, into_rest};
 use super::frames::Frames;
+use super::look_ahead::LookAhead;
 use super::matter::{FIXED, Matter, lanes};
 use super::neighbours::{middle, shortest_edges};
 use super::node_map::NodeMap;
@@ -81,6 +82,7 @@ pub(super) struct ImplicitStep {
 /// What watches over a matrix of springs.
 #[derive(Debug)]
 struct Springs {
+    look_ahead: Option<LookAhead>,
     /// (unknowns), m: corrections below this are rounding; and those that are watched at once.
     watched_m: Vec<[f64; 2]>,
     /// Length of a correction that may be wild, m.
@@ -130,7 +132,7 @@ impl ImplicitStep {
         };
         let mut springs = None;
         if kind != Kind::Continuum {
-            springs = (!cores.is_empty()).then(|| Springs::new(matter, kind, short));
+            springs = Some(Springs::new(matter, kind, short));
             cores.push(bounding(matter)?);
         }
         Ok(Self {
@@ -189,6 +191,7 @@ impl ImplicitStep {
             gaps: vec![[0.0; 4]; pressures],
             core: 0,
             taut: 0,
+            starts: matter.rest.clone(),
             inertia: None,
             rigid: RigidPart {
                 arms: vec![Vector3::zeros(); if matter.is_free() { matter.surface.len() } else { 0 }],
@@ -205,11 +208,16 @@ impl ImplicitStep {
     /// That of a body at rest.
     pub(super) fn caution(&self, matter: &Matter) -> Caution {
         let mut caution = Caution::default();
-        if self.springs.is_some() {
+        if self.is_cautious() {
             caution.corrections = vec![[0.0; 4]; matter.unknown_count()];
             caution.set_to_rest();
         }
         caution
+    }
+
+    /// Springs have a tangent, and something to fall back on where it cannot follow them.
+    fn is_cautious(&self) -> bool {
+        self.kind != Kind::Continuum && self.cores.len() > 1
     }
 
     /// Hands over to the state what the step ends with.
@@ -222,10 +230,10 @@ impl ImplicitStep {
     /// case its matrix need only be half of the tangent, and what is far softer than the matrix creeps
     /// instead of flying on. Sheets by the bounding matrix do: out of plane they are much softer.
     pub(super) fn starts_ahead(&self, state: &DeformableState) -> bool {
-        match &self.springs {
+        match self.is_cautious() {
             _ if self.kind != Kind::Sheet => true,
-            None => false,
-            Some(_) => state.caution.level < BOUNDING,
+            false => false,
+            true => state.caution.level < BOUNDING,
         }
     }
 
@@ -240,9 +248,10 @@ impl ImplicitStep {
         let implicit = &mut scratch.implicit;
         implicit.caution.clone_from(&state.caution);
         implicit.pressures.copy_from_slice(&state.pressures);
-        implicit.inertia = (matter.is_free()).then(|| Inertia::of(matter, &state.positions));
+        implicit.inertia = (matter.is_free()).then(|| Inertia::of(matter, &scratch.reached));
+        implicit.starts.copy_from_slice(&scratch.reached);
         implicit.last_m2 = f64::INFINITY;
-        if self.springs.is_some() {
+        if self.is_cautious() {
             implicit.caution.step();
             if self.kind == Kind::Sheet {
                 let now = tautness(matter, state, &mut scratch.coordinates);
@@ -268,7 +277,7 @@ impl ImplicitStep {
         implicit.core = match (self.kind, implicit.caution.level) {
             (Kind::Continuum, _) => 0,
             (_, BOUNDING..) => bounding,
-            _ if self.springs.is_none() => bounding,
+            _ if !self.is_cautious() => bounding,
             (Kind::Lattice, level) => level as usize,
             (Kind::Sheet, 0) => implicit.taut,
             (Kind::Sheet, _) => TAUT.len() - 1,
@@ -331,8 +340,8 @@ impl ImplicitStep {
         }
     }
 
-    /// Adds A of the residual of backward Euler, with the contact forces in `scratch.carried`, to
-    /// the guess in `scratch.reached`; what it added is in `scratch.implicit.moved` (unknowns).
+    /// A of the residual of backward Euler at the guess in `scratch.reached`, with the contact forces in
+    /// `scratch.carried`, into `scratch.implicit.moved` (unknowns). Where that has grown, the guess goes half back first.
     pub(super) fn correct(
         &self,
         matter: &Matter,
@@ -346,19 +355,16 @@ impl ImplicitStep {
         {
             springs.calm_short(matter, state, scratch);
         }
+        let last_j = scratch.implicit.merit_j;
         self.correct_by_core(matter, state, scratch, first);
         if self.iterations > 1 {
-            if !first && scratch.before.has_grown(&scratch.implicit) {
+            if !first && scratch.implicit.merit_j > last_j {
                 // Half of the last correction, and another look from there.
                 Before::go_half_back(scratch);
                 self.weigh(matter, state, scratch);
                 self.correct_by_core(matter, state, scratch, first);
             }
             Before::keep(scratch);
-        }
-        let unknowns = matter.coordinate_of_unknown.iter();
-        for (moved, &c) in scratch.implicit.moved.iter().zip(unknowns) {
-            scratch.reached[c as usize] += *moved;
         }
     }
 
@@ -371,10 +377,10 @@ impl ImplicitStep {
         first: bool,
     ) {
         loop {
-            self.answer(matter, &state.positions, scratch, true);
+            self.answer(matter, scratch, true);
             let Some(springs) = &self.springs else { break };
             let implicit = &mut scratch.implicit;
-            if implicit.caution.level >= BOUNDING {
+            if !self.is_cautious() || implicit.caution.level >= BOUNDING {
                 break;
             }
             let next = match first {
@@ -386,21 +392,18 @@ impl ImplicitStep {
                 break;
             }
             implicit.caution.raise(next);
+            if !first {
+                // From the next step on: the response of this one is settled.
+                break;
+            }
             lanes(&scratch.reached, &mut scratch.coordinates);
             self.choose_core(scratch);
         }
     }
 
     /// How the loads in `scratch.residual` (coordinates, N) move the body, into `scratch.implicit.moved` (unknowns, m);
-    /// pressures follow. `from`: where the step began; `with_gaps`: these are a residual, and pressures are to close
-    /// their gaps.
-    pub(super) fn answer(
-        &self,
-        matter: &Matter,
-        from: &[Point3],
-        scratch: &mut DeformableScratch,
-        with_gaps: bool,
-    ) {
+    /// pressures follow. `with_gaps`: these are a residual, and pressures are to close their gaps.
+    pub(super) fn answer(&self, matter: &Matter, scratch: &mut DeformableScratch, with_gaps: bool) {
         let DeformableScratch {
             implicit,
             residual,
@@ -413,7 +416,7 @@ impl ImplicitStep {
         let followed = implicit.followed.clone();
         let core = followed.as_ref().map_or(own, |made| &*made.0);
         let pressed = matter.law.continuum.as_ref().filter(|_| !core.growth.is_empty());
-        let rigid = (implicit.inertia.as_ref()).map(|inertia| inertia.take_rigid(matter, from, residual));
+        let rigid = (implicit.inertia.as_ref()).map(|inertia| inertia.take_rigid(matter, &implicit.starts, residual));
         let solid = pressed.filter(|_| with_gaps);
         if let Some(solid) = solid {
             pull.fill([0.0; 4]);
@@ -460,7 +463,7 @@ impl ImplicitStep {
             *moved = Vector3::new(x, y, z);
         }
         if let (Some(inertia), Some(rigid)) = (&implicit.inertia, rigid) {
-            inertia.set_rigid(matter, from, &rigid, &mut implicit.moved);
+            inertia.set_rigid(matter, &implicit.starts, &rigid, &mut implicit.moved);
         }
     }
 
@@ -468,10 +471,10 @@ impl ImplicitStep {
     pub(super) fn find_rigid_part(
         &self,
         matter: &Matter,
-        from: &[Point3],
         scratch: &mut DeformableScratch,
     ) {
         let ImplicitScratch {
+            starts: from,
             inertia,
             rigid,
             rows,
@@ -540,7 +543,10 @@ impl ImplicitStep {
         if self.iterations > 1 {
             scratch.looked.copy_from_slice(&scratch.implicit.pressures);
         }
-        matter.look_ahead(state, scratch);
+        match self.springs.as_ref().and_then(|springs| springs.look_ahead.as_ref()) {
+            Some(look_ahead) => matter.look_ahead_short(look_ahead, state, scratch),
+            None => matter.look_ahead(state, scratch),
+        }
         matter.add_step_forces(state, scratch);
     }
 }
@@ -554,6 +560,7 @@ impl Springs {
         };
         let watched = |&c: &u32| least.map(|share| share * edges[c as usize]);
         Self {
+            look_ahead: LookAhead::new(matter),
             watched_m: matter.coordinate_of_unknown.iter().map(watched).collect(),
             wild_m: WILD_LENGTH * middle(&edges),
             short,

@@ -9,6 +9,7 @@ use super::elements::MaterialLaw;
 use super::elements::continuum::Given;
 use super::field::Field;
 use super::follow::Follows;
+use super::look_ahead::LookAhead;
 use super::material::Plastic;
 use super::node_map::NodeMap;
 use super::plastic::Flow;
@@ -326,6 +327,26 @@ impl Matter {
             let at = z + ahead;
             *lane = [at.x, at.y, at.z, 0.0];
         }
+    }
+
+    /// The same for springs, which would be turned over far ahead: not as far where neighbours part or meet.
+    pub fn look_ahead_short(
+        &self,
+        look_ahead: &LookAhead,
+        state: &DeformableState,
+        scratch: &mut DeformableScratch,
+    ) {
+        let share = self.damping_s / self.settings.dt_s;
+        lanes(&scratch.reached, &mut scratch.coordinates);
+        let moved = scratch.reached.iter().zip(&state.positions);
+        for ((z, x), ahead) in moved.zip(&mut scratch.ahead) {
+            *ahead = (z - x) * share;
+            if let Some(turning) = &scratch.turning {
+                let middle = nalgebra::center(x, z) - turning.linear * (0.5 * self.settings.dt_s);
+                *ahead -= turning.velocity(&middle) * self.damping_s;
+            }
+        }
+        look_ahead.add(&scratch.ahead, &mut scratch.coordinates);
     }
 
     /// W q, in the buffer where nodes are not the coordinates.

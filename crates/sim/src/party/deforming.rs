@@ -138,9 +138,11 @@ impl Party for Of<'_, &DeformingBody> {
             delassus.each_pair(&compliance, None, |pair| {
                 let [i, j] = pair.rows;
                 let block = Matrix3::from_columns(&pair.moved);
-                match i == j && !pair.same {
-                    true => matrix.add(i, i, &(block + block.transpose())),
-                    false => matrix.add(i, j, &block),
+                // The two sides of one row add up; of one side, rounding is not symmetric.
+                match (i == j, pair.same) {
+                    (true, false) => matrix.add(i, i, &(block + block.transpose())),
+                    (true, true) => matrix.add(i, i, &((block + block.transpose()) * 0.5)),
+                    (false, _) => matrix.add(i, j, &block),
                 }
             });
             return;
@@ -154,12 +156,12 @@ impl Party for Of<'_, &DeformingBody> {
 
     fn take_back(
         &self,
-        state: &BodyState,
+        _: &BodyState,
         scratch: &mut BodyScratch,
         rows: &mut RowSet,
         solver: &mut Solver,
     ) {
-        let (Some(nodes), Some(deforming)) = (&state.deformable, &mut scratch.deforming) else {
+        let Some(deforming) = &mut scratch.deforming else {
             return;
         };
         let delassus = &mut solver.delassus;
@@ -168,7 +170,7 @@ impl Party for Of<'_, &DeformingBody> {
             return;
         }
         let deformable = &self.kind.deformable;
-        deformable.find_rigid_part(nodes, &mut deforming.deformable);
+        deformable.find_rigid_part(&mut deforming.deformable);
         let Some(compliance) = self.compliance(scratch) else {
             return;
         };
@@ -295,8 +297,9 @@ impl Party for Of<'_, &DeformingBody> {
             let most = 1e-5 * (size + moved.norm() + row.forced.norm()) + least;
             debug_assert!(
                 !alone || off <= most || off.is_nan(),
-                "row {i}: forces move the body {} m, not {found}",
-                moved - row.forced
+                "row {i}: forces move the body {:?} m, not {:?}",
+                moved - row.forced,
+                found
             );
         });
     }

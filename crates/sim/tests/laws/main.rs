@@ -27,6 +27,7 @@ mod membranes;
 mod models;
 mod motion;
 mod movers;
+mod presses;
 mod quality;
 mod refinement;
 mod resting;

@@ -49,7 +49,6 @@ pub(super) fn energy(block: &CellBlock, metrics: &[[Four; 6]; 8], places: &[Lane
 }
 
 /// V, m³, by cell.
-#[cfg(test)]
 pub(super) fn volumes(block: &CellBlock, places: &[Lane]) -> Four {
     let mut volumes = [0.0; 4];
     let c = kernel::modes::<Baseline>(&block.nodes, places);

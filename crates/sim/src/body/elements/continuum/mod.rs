@@ -265,6 +265,20 @@ impl ContinuumLaw {
         forces.map(|r| Vector3::new(r[0], r[1], r[2])).collect()
     }
 
+    /// The least volume of a cell over its own at rest; below 0 where one is turned inside out.
+    pub(in crate::body) fn least_volume(&self, places: &[Lane]) -> f64 {
+        let mut least = f64::INFINITY;
+        for block in &self.blocks {
+            let volumes = match self.points {
+                Points::Eight => block::volumes(block, places),
+                Points::Centre => centre::volumes(block, places),
+            };
+            let shares = volumes.iter().zip(&block.per_volume).take(block.count);
+            least = shares.map(|(v, per_v)| v * per_v).fold(least, f64::min);
+        }
+        least
+    }
+
     /// Ψ, J; zero at rest.
     pub fn energy_j(&self, places: &[Lane]) -> f64 {
         self.energy_flowed_j(&[], places)
