@@ -98,6 +98,21 @@ impl World {
         Ok(())
     }
 
+    /// Puts held coordinates of the first body so far from their places, for the ticks to come.
+    pub(super) fn move_held(
+        &mut self,
+        held: &[(usize, Point3)],
+        by: Vector3,
+    ) -> Result<(), String> {
+        let state = self.state.bodies.first_mut();
+        let state = state.and_then(|state| state.deformable.as_mut());
+        let state = state.ok_or("the scene has no deforming body")?;
+        for &(c, place) in held {
+            state.positions[c] = place + by;
+        }
+        Ok(())
+    }
+
     /// The deforming body of a scene that has one, and its state.
     pub(super) fn body(&self) -> Result<(&Deformable, &DeformableState), String> {
         let state = self.state.bodies.first();

@@ -108,7 +108,7 @@ fn plate(case: &str, n: usize, effort: Effort, out: &mut dyn FnMut(Row)) {
 }
 
 /// The first and second shape of a beam that is clamped at 0 and 1.
-fn clamped_beam(n: f64, s: f64) -> f64 {
+pub(super) fn clamped_beam(n: f64, s: f64) -> f64 {
     let beta = if n < 1.5 {
         4.730_040_744_862_704
     } else {

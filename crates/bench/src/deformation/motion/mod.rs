@@ -5,12 +5,18 @@
 //! over all ticks, over the amplitude or the peak force.
 
 mod beam;
+mod drop;
 mod free;
 mod frequency;
+mod held;
 mod jelly;
+mod jump;
 mod path;
+mod poke;
 mod press;
+mod ring;
 mod ringdown;
+mod squeeze;
 mod touching;
 
 use super::world::World;
@@ -66,7 +72,11 @@ const CONVERGED: usize = 40;
 /// All rows of bodies that move.
 pub(super) fn rows(effort: Effort, wanted: &dyn Fn(&str) -> bool, out: &mut dyn FnMut(Row)) {
     ringdown::rows(effort, wanted, out);
+    ring::rows(effort, wanted, out);
     press::rows(effort, wanted, out);
+    squeeze::rows(effort, wanted, out);
+    poke::rows(effort, wanted, out);
+    jump::rows(effort, wanted, out);
     free::rows(effort, wanted, out);
     jelly::rows(wanted, out);
     frequency::rows(effort, wanted, out);
