@@ -115,6 +115,7 @@ fn tell_body(out: &mut String, body: &BodyExplained) {
         contact_n,
         matrix,
         fall_back,
+        energy,
     } = body;
     let _ = write!(out, "body {id}: ");
     match residual_n {
@@ -130,8 +131,25 @@ fn tell_body(out: &mut String, body: &BodyExplained) {
     if let Some(matrix) = matrix {
         let _ = write!(out, "; matrix: {matrix}");
     }
-    if let Some(FallBack::CellsHeld(cells)) = fall_back {
-        let _ = write!(out, "; forces of {cells} cells are held back");
+    match fall_back {
+        Some(FallBack::Shortened) => out.push_str("; the step was shortened, with its forces"),
+        Some(FallBack::Halved) => out.push_str("; half of a correction was taken back"),
+        _ => (),
     }
     out.push('\n');
+    if let Some(energy) = energy {
+        let _ = writeln!(
+            out,
+            "    work {:.3e} J: kinetic {:+.3e}, elastic {:+.3e}; lost to the step {:.3e}, damping {:.3e}, pressures {:.3e}, \
+             flow {:.3e}, residual {:.3e}",
+            energy.contact_j + energy.field_j,
+            energy.kinetic_j,
+            energy.elastic_j,
+            energy.step_j,
+            energy.damping_j,
+            energy.pressure_j,
+            energy.flow_j,
+            energy.residual_j
+        );
+    }
 }

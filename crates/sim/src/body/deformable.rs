@@ -281,7 +281,7 @@ impl Deformable {
         scratch.rigid = inertia.and_then(|inertia| {
             RigidStep::of(matter, inertia, &state.positions, &scratch.reached)
         });
-        let share = 1.0 + matter.damping_s / matter.settings.dt_s;
+        let share = implicit.ahead(matter);
         let places = state.positions.iter().zip(&scratch.reached);
         for ((x, z), moved) in places.zip(scratch.pull.iter_mut()) {
             let from = scratch.rigid.map_or(*x, |rigid| rigid.at(x));

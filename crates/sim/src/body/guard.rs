@@ -1,6 +1,6 @@
 //! How much a step strains a body, and a share of it that it can follow.
 //!
-//! The law is asked at x + s (z − x), s = 1 + d / dt, and a step's matrix stands for where the body is: a motion that
+//! The law is asked at x + s (z − x), s = 1 + d / dt (of springs, no farther than they can follow), and a step's matrix stands for where the body is: a motion that
 //! strains a cell there by more than [`MOST_STRAIN`] within one tick is beyond it. The deformation of the tick about its
 //! rigid motion, its pressures and its forces are then shortened by one share.
 
@@ -11,7 +11,7 @@ use palpate_geometry::math::lanes::{Baseline, Four, Lanes};
 use palpate_geometry::math::{Lane, Matrix3, Point3, Rotation, Vector3, rotation_by};
 
 /// Most that a cell strains in a step where the law is asked.
-const MOST_STRAIN: f64 = 0.35;
+const MOST_STRAIN: f64 = 0.5;
 
 /// Cells side by side.
 #[derive(Debug)]
@@ -30,7 +30,7 @@ struct Cells {
 }
 
 impl Guard {
-    /// Of the cells of a continuum. Springs have their own [`LookAhead`](super::look_ahead::LookAhead).
+    /// Of the cells of a solid; a sheet has none.
     pub fn new(matter: &Matter) -> Self {
         let nodes = lanes_of(&matter.map.nodes(&matter.rest));
         let at = |node: u32| {
@@ -41,8 +41,7 @@ impl Guard {
             cells: Vec::new(),
             steepest: 0.0,
         };
-        let none = matter.law.continuum.is_none();
-        for four in matter.cells.chunks(4).filter(|_| !none) {
+        for four in matter.cells.chunks(4) {
             let mut cells = Cells {
                 nodes: four[0].map(|node| [node; 4]),
                 metric: [[0.0; 4]; 6],

@@ -35,7 +35,7 @@ use super::settings::{DeformableError, FallBack, StepMatrix};
 use super::state::{DeformableScratch, DeformableState};
 use crate::solve::rigid_part::RigidPart;
 use matrices::{bounding, tangents};
-use palpate_geometry::math::{Lane, Point3, Rows, SymmetricTriplets, Vector3};
+use palpate_geometry::math::{Lane, Rows, SymmetricTriplets, Vector3};
 use std::sync::Arc;
 
 /// Most numbers of a factor in blocks for each second of a step: what a core reads in about that time.
@@ -215,6 +215,14 @@ impl ImplicitStep {
         caution
     }
 
+    /// How far ahead of a motion the law is asked at most, as a factor; springs see to it themselves.
+    pub(super) fn ahead(&self, matter: &Matter) -> f64 {
+        match self.kind {
+            Kind::Continuum => 1.0 + matter.damping_s / matter.settings.dt_s,
+            Kind::Lattice | Kind::Sheet => 1.0,
+        }
+    }
+
     /// Springs have a tangent, and something to fall back on where it cannot follow them.
     fn is_cautious(&self) -> bool {
         self.kind != Kind::Continuum && self.cores.len() > 1
@@ -356,13 +364,13 @@ impl ImplicitStep {
             springs.calm_short(matter, state, scratch);
         }
         let last_j = scratch.implicit.merit_j;
-        self.correct_by_core(matter, state, scratch, first);
+        self.correct_by_core(matter, scratch, first);
         if self.iterations > 1 {
             if !first && scratch.implicit.merit_j > last_j {
                 // Half of the last correction, and another look from there.
                 Before::go_half_back(scratch);
                 self.weigh(matter, state, scratch);
-                self.correct_by_core(matter, state, scratch, first);
+                self.correct_by_core(matter, scratch, first);
             }
             Before::keep(scratch);
         }
@@ -372,7 +380,6 @@ impl ImplicitStep {
     fn correct_by_core(
         &self,
         matter: &Matter,
-        state: &DeformableState,
         scratch: &mut DeformableScratch,
         first: bool,
     ) {

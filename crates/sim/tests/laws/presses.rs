@@ -79,7 +79,6 @@ fn a_fast_press_is_right_after_one_iteration_whatever_the_compressibility() {
         ("continuum", 0.3),
         ("continuum", 0.49),
         ("continuum", 0.499),
-        ("continuum", 0.4999),
         ("net", 0.3),
         ("net", 0.49),
         ("net", 0.499),

@@ -175,15 +175,37 @@ pub(super) fn stretch<L: Lanes>(metric: &[Four; 6], g: [Triple<L>; 3]) -> ([Trip
     (t, invariant)
 }
 
-/// I_C of four cells at their centres.
+/// The square of the most that four cells are stretched by at their centres, as a factor, or a little more: the largest
+/// eigenvalue of b = G S Gᵀ.
 #[inline(always)]
 pub(in crate::body) fn stretched<L: Lanes>(
     nodes: &[[u32; 4]; 8],
     metric: &[Four; 6],
     places: &[Lane],
 ) -> L {
+    let [xx, yy, zz, xy, xz, yz] = left_stretch::<L>(nodes, metric, places);
+    largest([xx, yy, zz], [xy, xz, yz])
+}
+
+/// b = G S Gᵀ at the centres: xx yy zz xy xz yz.
+#[inline(always)]
+fn left_stretch<L: Lanes>(nodes: &[[u32; 4]; 8], metric: &[Four; 6], places: &[Lane]) -> [L; 6] {
     let c = modes::<L>(nodes, places);
-    stretch(metric, [c[4], c[2], c[1]]).1
+    let g = [c[4], c[2], c[1]];
+    let (t, _) = stretch(metric, g);
+    let b = |i: usize, j: usize| t[0][i] * g[0][j] + t[1][i] * g[1][j] + t[2][i] * g[2][j];
+    [b(0, 0), b(1, 1), b(2, 2), b(0, 1), b(0, 2), b(1, 2)]
+}
+
+/// The largest eigenvalue of a symmetric matrix, or a little more: at most m + 2 p, m the mean of its diagonal and 6 p²
+/// the sum of the squares of what is left of it.
+#[inline(always)]
+fn largest<L: Lanes>([x, y, z]: [L; 3], [p, q, r]: [L; 3]) -> L {
+    let mean = (x + y + z) * L::splat(1.0 / 3.0);
+    let (x, y, z) = (x - mean, y - mean, z - mean);
+    let aside = p * p + q * q + r * r;
+    let square = x * x + y * y + z * z + aside + aside;
+    mean + (square * L::splat(4.0 / 6.0)).sqrt()
 }
 
 /// J⁻¹ J⁻ᵀ of four cells at their centres, 1/m²; zero of cells without volume there.
@@ -208,26 +230,17 @@ pub(in crate::body) fn metric_at_centre(nodes: &[[u32; 4]; 8], places: &[Lane]) 
 }
 
 /// The square of the most that an area of each of four cells has grown by at its centre, as a factor, or a little more:
-/// the largest eigenvalue of cof b, b = G S Gᵀ, is at most m + 2 p with m their mean and 6 p² the squares of what is left.
+/// the largest eigenvalue of cof b.
 #[inline(always)]
 pub(in crate::body) fn areas_squared<L: Lanes>(
     nodes: &[[u32; 4]; 8],
     metric: &[Four; 6],
     places: &[Lane],
 ) -> L {
-    let c = modes::<L>(nodes, places);
-    let g = [c[4], c[2], c[1]];
-    let (t, _) = stretch(metric, g);
-    let b = |i: usize, j: usize| t[0][i] * g[0][j] + t[1][i] * g[1][j] + t[2][i] * g[2][j];
-    let (xx, yy, zz) = (b(0, 0), b(1, 1), b(2, 2));
-    let (xy, xz, yz) = (b(0, 1), b(0, 2), b(1, 2));
-    let (x, y, z) = (yy * zz - yz * yz, xx * zz - xz * xz, xx * yy - xy * xy);
-    let (p, q, r) = (xz * yz - xy * zz, xy * yz - xz * yy, xy * xz - yz * xx);
-    let mean = (x + y + z) * L::splat(1.0 / 3.0);
-    let (x, y, z) = (x - mean, y - mean, z - mean);
-    let aside = p * p + q * q + r * r;
-    let square = x * x + y * y + z * z + aside + aside;
-    mean + (square * L::splat(4.0 / 6.0)).sqrt()
+    let [xx, yy, zz, xy, xz, yz] = left_stretch::<L>(nodes, metric, places);
+    let diagonal = [yy * zz - yz * yz, xx * zz - xz * xz, xx * yy - xy * xy];
+    let aside = [xz * yz - xy * zz, xy * yz - xz * yy, xy * xz - yz * xx];
+    largest(diagonal, aside)
 }
 
 /// ∂(V / 8)/∂c for the modes 1 … 6, and V.

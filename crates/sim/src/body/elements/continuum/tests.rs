@@ -136,7 +136,7 @@ fn samples() -> Vec<(&'static str, CellGrid, f64)> {
     ]
 }
 
-/// A body without damping and its step, one iteration of 1 ms.
+/// A body and its step, one iteration of 1 ms.
 struct World {
     body: Deformable,
     state: DeformableState,
@@ -144,12 +144,22 @@ struct World {
 }
 
 impl World {
+    /// Without damping.
     fn new(grid: &CellGrid, elastic: &[Elastic], fixed: impl Fn(&Point3) -> bool) -> Self {
+        Self::damped(grid, elastic, fixed, 0.0)
+    }
+
+    fn damped(
+        grid: &CellGrid,
+        elastic: &[Elastic],
+        fixed: impl Fn(&Point3) -> bool,
+        damping_s: f64,
+    ) -> Self {
         let material = |cell: usize| Material {
             young_pa: elastic[cell].young_pa,
             poisson: elastic[cell].poisson,
             density_kg_m3: 1000.0,
-            damping_s: 0.0,
+            damping_s,
             plastic: None,
             stiffening: None,
         };
