@@ -44,7 +44,9 @@ impl Maker {
     /// The system refuses a thread.
     pub(super) fn start(scene: &Arc<Scene>) -> std::io::Result<Option<Self>> {
         let job = |body| {
-            let model = scene.deformable(body).filter(|_| scene.makes_matrices(body))?;
+            let model = scene
+                .deformable(body)
+                .filter(|_| scene.makes_matrices(body))?;
             Some(Box::new(Job {
                 body,
                 state: model.rest_state(),

@@ -7,8 +7,8 @@
 //! ```
 //! Jobs go round between two rings, so nothing is allocated and nothing locked.
 
-use palpate_geometry::math::{Point3, Vector3};
 use super::maker::Maker;
+use palpate_geometry::math::{Point3, Vector3};
 use palpate_sim::body::{DeformableScratch, DeformableState, Field, Made};
 use palpate_sim::scene::Scene;
 use palpate_sim::tick::Pipeline;

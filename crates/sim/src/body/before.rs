@@ -54,7 +54,10 @@ impl Before {
         for (z, from) in places.zip(before.reached.iter().chain(&before.predicted)) {
             *z = nalgebra::center(z, from);
         }
-        let of_look = looked.as_flattened().iter().zip(before.pressures.as_flattened());
+        let of_look = looked
+            .as_flattened()
+            .iter()
+            .zip(before.pressures.as_flattened());
         let pressures = implicit.pressures.as_flattened_mut().iter_mut();
         for (q, (last, from)) in pressures.zip(of_look) {
             *q = 0.5 * (last + from);

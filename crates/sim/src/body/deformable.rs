@@ -12,10 +12,10 @@ use super::calm::{Outline, STILL_STEPS};
 use super::core::SurfaceBlocks;
 use super::field::Field;
 use super::follow::{Following, Follows, Made};
+use super::frame::{Frame, IDENTITY};
 use super::guard::{Guard, RigidStep};
 use super::implicit::ImplicitStep;
 use super::material::Plastic;
-use super::frame::{Frame, IDENTITY};
 use super::matter::{Blueprint, FIXED, Matter, lanes};
 use super::rigid_motion::Momentum;
 use super::rigid_velocity::RigidVelocity;
@@ -278,9 +278,8 @@ impl Deformable {
         scratch.arrived = true;
         let matter = &self.matter;
         let inertia = scratch.implicit.inertia.as_ref();
-        scratch.rigid = inertia.and_then(|inertia| {
-            RigidStep::of(matter, inertia, &state.positions, &scratch.reached)
-        });
+        scratch.rigid = inertia
+            .and_then(|inertia| RigidStep::of(matter, inertia, &state.positions, &scratch.reached));
         let share = implicit.ahead(matter);
         let places = state.positions.iter().zip(&scratch.reached);
         for ((x, z), moved) in places.zip(scratch.pull.iter_mut()) {
@@ -297,7 +296,8 @@ impl Deformable {
         scratch: &'a DeformableScratch,
     ) -> Option<impl Fn(usize) -> Vector3 + use<'a>> {
         let is_implicit = matches!(self.stepper, Stepper::Implicit(_));
-        (scratch.arrived && is_implicit).then_some(|c: usize| scratch.reached[c] - scratch.predicted[c])
+        (scratch.arrived && is_implicit)
+            .then_some(|c: usize| scratch.reached[c] - scratch.predicted[c])
     }
 
     /// The share of the motion of the step that the body can follow: 1, or less.
@@ -654,14 +654,12 @@ impl Deformable {
     }
 
     /// The frame of a coordinate of the net in the step that the scratch stands for: rows of a rotation.
-    pub(crate) fn frame_of<'a>(
-        &self,
-        scratch: &'a DeformableScratch,
-        place: usize,
-    ) -> &'a Frame {
+    pub(crate) fn frame_of<'a>(&self, scratch: &'a DeformableScratch, place: usize) -> &'a Frame {
         let coordinate = self.matter.surface[place] as usize;
         match &self.stepper {
-            Stepper::Implicit(_) => (scratch.implicit).frame(self.matter.unknown[coordinate] as usize),
+            Stepper::Implicit(_) => {
+                (scratch.implicit).frame(self.matter.unknown[coordinate] as usize)
+            }
             Stepper::Explicit(_) | Stepper::Xpbd(_) => &IDENTITY,
         }
     }

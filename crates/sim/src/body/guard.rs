@@ -11,7 +11,7 @@ use palpate_geometry::math::lanes::{Baseline, Four, Lanes};
 use palpate_geometry::math::{Lane, Matrix3, Point3, Rotation, Vector3, rotation_by};
 
 /// Most that a cell strains in a step where the law is asked.
-const MOST_STRAIN: f64 = 0.5;
+const MOST_STRAIN: f64 = 0.35;
 
 /// Cells side by side.
 #[derive(Debug)]
@@ -114,12 +114,7 @@ pub(super) struct RigidStep {
 
 impl RigidStep {
     /// The one with the momentum of the motion of a free body; none where that is not a number.
-    pub fn of(
-        matter: &Matter,
-        inertia: &Inertia,
-        from: &[Point3],
-        to: &[Point3],
-    ) -> Option<Self> {
+    pub fn of(matter: &Matter, inertia: &Inertia, from: &[Point3], to: &[Point3]) -> Option<Self> {
         let (mut linear, mut angular) = (Vector3::zeros(), Vector3::zeros());
         for ((x, z), m) in from.iter().zip(to).zip(&matter.masses) {
             let d = (z - x) * *m;

@@ -194,10 +194,21 @@ impl ImplicitStep {
             starts: matter.rest.clone(),
             inertia: None,
             rigid: RigidPart {
-                arms: vec![Vector3::zeros(); if matter.is_free() { matter.surface.len() } else { 0 }],
+                arms: vec![
+                    Vector3::zeros();
+                    if matter.is_free() {
+                        matter.surface.len()
+                    } else {
+                        0
+                    }
+                ],
                 answers: vec![
                     [Vector3::zeros(); 6];
-                    if matter.is_free() { matter.surface.len() } else { 0 }
+                    if matter.is_free() {
+                        matter.surface.len()
+                    } else {
+                        0
+                    }
                 ],
                 ..RigidPart::default()
             },
@@ -377,12 +388,7 @@ impl ImplicitStep {
     }
 
     /// The correction of the residual, by a core that can follow it.
-    fn correct_by_core(
-        &self,
-        matter: &Matter,
-        scratch: &mut DeformableScratch,
-        first: bool,
-    ) {
+    fn correct_by_core(&self, matter: &Matter, scratch: &mut DeformableScratch, first: bool) {
         loop {
             self.answer(matter, scratch, true);
             let Some(springs) = &self.springs else { break };
@@ -422,8 +428,13 @@ impl ImplicitStep {
         let own = &self.cores[implicit.core];
         let followed = implicit.followed.clone();
         let core = followed.as_ref().map_or(own, |made| &*made.0);
-        let pressed = matter.law.continuum.as_ref().filter(|_| !core.growth.is_empty());
-        let rigid = (implicit.inertia.as_ref()).map(|inertia| inertia.take_rigid(matter, &implicit.starts, residual));
+        let pressed = matter
+            .law
+            .continuum
+            .as_ref()
+            .filter(|_| !core.growth.is_empty());
+        let rigid = (implicit.inertia.as_ref())
+            .map(|inertia| inertia.take_rigid(matter, &implicit.starts, residual));
         let solid = pressed.filter(|_| with_gaps);
         if let Some(solid) = solid {
             pull.fill([0.0; 4]);
@@ -475,11 +486,7 @@ impl ImplicitStep {
     }
 
     /// Finds how the rigid motions of a free body answer in this step: H = R B⁻¹ Rᵀ M T on the net, and Tᵀ M H.
-    pub(super) fn find_rigid_part(
-        &self,
-        matter: &Matter,
-        scratch: &mut DeformableScratch,
-    ) {
+    pub(super) fn find_rigid_part(&self, matter: &Matter, scratch: &mut DeformableScratch) {
         let ImplicitScratch {
             starts: from,
             inertia,
@@ -550,7 +557,11 @@ impl ImplicitStep {
         if self.iterations > 1 {
             scratch.looked.copy_from_slice(&scratch.implicit.pressures);
         }
-        match self.springs.as_ref().and_then(|springs| springs.look_ahead.as_ref()) {
+        match self
+            .springs
+            .as_ref()
+            .and_then(|springs| springs.look_ahead.as_ref())
+        {
             Some(look_ahead) => matter.look_ahead_short(look_ahead, state, scratch),
             None => matter.look_ahead(state, scratch),
         }

@@ -42,7 +42,13 @@ impl Ledger {
     pub fn off_j(&self) -> f64 {
         let given = self.contact_j + self.field_j;
         let kept = self.kinetic_j + self.elastic_j;
-        given - kept - self.step_j - self.damping_j - self.pressure_j - self.flow_j - self.residual_j
+        given
+            - kept
+            - self.step_j
+            - self.damping_j
+            - self.pressure_j
+            - self.flow_j
+            - self.residual_j
     }
 
     /// The largest of the terms, J.
@@ -84,7 +90,10 @@ impl Deformable {
     ) -> Option<Ledger> {
         let left = self.residual(before, after, field)?;
         let matter = self.matter();
-        let moved: Vec<Vector3> = after.positions.iter().zip(&before.positions)
+        let moved: Vec<Vector3> = after
+            .positions
+            .iter()
+            .zip(&before.positions)
             .map(|(z, x)| z - x)
             .collect();
         let mut ledger = Ledger::default();
@@ -106,7 +115,10 @@ impl Deformable {
         ledger.residual_j += dot(&left, &moved);
         let metrics = matter.rest_lengths(before);
         let energy = |state: &DeformableState, metrics: &[Lane]| {
-            matter.law.energy_j(metrics, &super::matter::lanes_of(&self.nodes(&state.positions)))
+            matter.law.energy_j(
+                metrics,
+                &super::matter::lanes_of(&self.nodes(&state.positions)),
+            )
         };
         let (from, to) = (energy(before, metrics), energy(after, metrics));
         let flowed = energy(after, matter.rest_lengths(after));
@@ -115,7 +127,10 @@ impl Deformable {
         let forces = Forces { matter, metrics };
         let here = dot(&forces.at(before, after, false, None), &moved);
         let ahead = dot(&forces.at(before, after, true, None), &moved);
-        let pressed = dot(&forces.at(before, after, true, Some(&after.pressures)), &moved);
+        let pressed = dot(
+            &forces.at(before, after, true, Some(&after.pressures)),
+            &moved,
+        );
         ledger.step_j += -here - (to - from);
         ledger.damping_j = here - ahead;
         ledger.pressure_j = ahead - pressed;

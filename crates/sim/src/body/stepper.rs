@@ -1,7 +1,7 @@
 //! The step of a body: one of three methods.
 
-use super::explicit::Explicit;
 use super::core::SurfaceBlocks;
+use super::explicit::Explicit;
 use super::implicit::ImplicitStep;
 use super::matter::Matter;
 use super::settings::{DeformableError, Integrator};

@@ -119,35 +119,33 @@ pub(super) fn at(matter: &Matter, place: &Place<'_>) -> BlockTriplets {
     }
     match &matter.map {
         NodeMap::Same => {
+            matter.law.tangent_at(place, &mut |a, b, block| {
+                let (a, b) = (matter.unknown(a as usize), matter.unknown(b as usize));
+                if let (Some(a), Some(b)) = (a, b) {
+                    matrix.add(a, b, block * scale);
+                }
+            });
             matter
                 .law
-                .tangent_at(place, &mut |a, b, block| {
-                    let (a, b) = (matter.unknown(a as usize), matter.unknown(b as usize));
-                    if let (Some(a), Some(b)) = (a, b) {
-                        matrix.add(a, b, block * scale);
-                    }
+                .shared_at(place.places, &mut |growth, stiffness| {
+                    let of_coordinates = growth.iter().copied();
+                    each_product(
+                        matter,
+                        of_coordinates,
+                        stiffness * scale,
+                        &mut |i, j, block| {
+                            matrix.add(i, j, block);
+                        },
+                    );
                 });
-            matter.law.shared_at(place.places, &mut |growth, stiffness| {
-                let of_coordinates = growth.iter().copied();
-                each_product(
-                    matter,
-                    of_coordinates,
-                    stiffness * scale,
-                    &mut |i, j, block| {
-                        matrix.add(i, j, block);
-                    },
-                );
-            });
         }
         NodeMap::Sparse(map) => {
             // Many small products meet in each block of coordinates: gathered row by row.
             let mut sums: Vec<BTreeMap<usize, Matrix3>> = vec![BTreeMap::new(); matrix.n];
             let mut of_nodes: BTreeMap<(u32, u32), Matrix3> = BTreeMap::new();
-            matter
-                .law
-                .tangent_at(place, &mut |a, b, block| {
-                    *of_nodes.entry((a, b)).or_insert_with(Matrix3::zeros) += block;
-                });
+            matter.law.tangent_at(place, &mut |a, b, block| {
+                *of_nodes.entry((a, b)).or_insert_with(Matrix3::zeros) += block;
+            });
             for (&(a, b), block) in &of_nodes {
                 let (left, left_weights) = map.row(a as usize);
                 let (right, right_weights) = map.row(b as usize);
@@ -172,22 +170,24 @@ pub(super) fn at(matter: &Matter, place: &Place<'_>) -> BlockTriplets {
                     }
                 }
             }
-            matter.law.shared_at(place.places, &mut |growth, stiffness| {
-                let of_nodes = growth.iter().map(|&(node, gradient)| {
-                    let (coordinates, weights) = map.row(node as usize);
-                    (gradient, coordinates.iter().zip(weights))
+            matter
+                .law
+                .shared_at(place.places, &mut |growth, stiffness| {
+                    let of_nodes = growth.iter().map(|&(node, gradient)| {
+                        let (coordinates, weights) = map.row(node as usize);
+                        (gradient, coordinates.iter().zip(weights))
+                    });
+                    let of_coordinates = of_nodes
+                        .flat_map(|(gradient, row)| row.map(move |(&c, &w)| (c, gradient * w)));
+                    each_product(
+                        matter,
+                        of_coordinates,
+                        stiffness * scale,
+                        &mut |i, j, block| {
+                            *sums[i].entry(j).or_insert_with(Matrix3::zeros) += block;
+                        },
+                    );
                 });
-                let of_coordinates =
-                    of_nodes.flat_map(|(gradient, row)| row.map(move |(&c, &w)| (c, gradient * w)));
-                each_product(
-                    matter,
-                    of_coordinates,
-                    stiffness * scale,
-                    &mut |i, j, block| {
-                        *sums[i].entry(j).or_insert_with(Matrix3::zeros) += block;
-                    },
-                );
-            });
             for (i, row) in sums.into_iter().enumerate() {
                 for (j, block) in row {
                     matrix.add(i, j, block);

@@ -6,8 +6,8 @@ use super::pipeline::Pipeline;
 use crate::body::{
     Deformable, DeformableScratch, DeformableState, FallBack, Field, Following, Follows,
 };
-use crate::solve::delassus::{Compliance, Delassus, Frame};
 use crate::scene::{Body, DeformingBody};
+use crate::solve::delassus::{Compliance, Delassus, Frame};
 use crate::solve::indentation::Resolution;
 use crate::solve::rigid_part::RigidPart;
 use crate::solve::rows::{DeformingView, Row, RowSet};
@@ -178,7 +178,9 @@ impl Party for Of<'_, &DeformingBody> {
         let loads = carried.filter_map(|&(coordinate, force)| {
             Some((deformable.surface_place(coordinate as usize)?, force))
         });
-        delassus.each_moved(&compliance, loads, |i, moved| rows.rows[i].take_back(&moved));
+        delassus.each_moved(&compliance, loads, |i, moved| {
+            rows.rows[i].take_back(&moved)
+        });
     }
 
     fn gives(
@@ -276,9 +278,12 @@ impl Party for Of<'_, &DeformingBody> {
         };
         let delassus = &mut solver.delassus;
         self.gather(rows, delassus);
-        let loads = deformable.carried(scratch).iter().filter_map(|&(coordinate, force)| {
-            Some((deformable.surface_place(coordinate as usize)?, force))
-        });
+        let loads = deformable
+            .carried(scratch)
+            .iter()
+            .filter_map(|&(coordinate, force)| {
+                Some((deformable.surface_place(coordinate as usize)?, force))
+            });
         delassus.each_moved(&compliance, loads, |i, moved| {
             let row = &rows.rows[i];
             let (mut found, mut size) = (Vector3::zeros(), 0.0);

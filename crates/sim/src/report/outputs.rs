@@ -15,8 +15,8 @@ use crate::solve::friction::FrictionLaw;
 use crate::solve::rows::Row;
 use crate::solve::rows::RowSet;
 use crate::solve::solver::Solver;
-use crate::tick::record::{ContactReport, TickOutput, ToolOutput};
 use crate::tick::flags;
+use crate::tick::record::{ContactReport, TickOutput, ToolOutput};
 use palpate_geometry::math::{Vector3, turn_between};
 
 /// Limits the forces, and writes what the tools get.

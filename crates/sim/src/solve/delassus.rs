@@ -399,7 +399,14 @@ impl Batch<'_> {
         let slots = self.concerned.len();
         for (slot, seen) in self.concerned.iter().enumerate() {
             let block = &column[seen.place as usize];
-            let wide = |k: usize| [block[k].into(), block[k + 1].into(), block[k + 2].into(), 0.0];
+            let wide = |k: usize| {
+                [
+                    block[k].into(),
+                    block[k + 1].into(),
+                    block[k + 2].into(),
+                    0.0,
+                ]
+            };
             let columns = [L::load(&wide(0)), L::load(&wide(3)), L::load(&wide(6))];
             for &(side, entry) in self.entries {
                 let ways = &self.directions[C * entry as usize..C * (entry as usize + 1)];
@@ -441,9 +448,8 @@ mod tests {
                 let products = (0..size).map(|k| factor[i * size + k] * factor[j * size + k]);
                 products.sum::<f64>() as f32
             };
-            let block = |b: usize, a: usize| {
-                std::array::from_fn(|k| entry(3 * a + k % 3, 3 * b + k / 3))
-            };
+            let block =
+                |b: usize, a: usize| std::array::from_fn(|k| entry(3 * a + k % 3, 3 * b + k / 3));
             let column = |b: usize| (0..places).map(move |a| (b, a));
             let frame = |_| {
                 let turn = rotation_by(&random.vector()).to_rotation_matrix();
@@ -451,7 +457,10 @@ mod tests {
             };
             Self {
                 places,
-                blocks: (0..places).flat_map(column).map(|(b, a)| block(b, a)).collect(),
+                blocks: (0..places)
+                    .flat_map(column)
+                    .map(|(b, a)| block(b, a))
+                    .collect(),
                 frames: (0..places).map(frame).collect(),
             }
         }
@@ -476,14 +485,21 @@ mod tests {
 
     type DenseSide = (usize, f64, Vec<(usize, f64)>);
 
-    fn sides(delassus: &mut Delassus, count: usize, places: usize, random: &mut Random) -> Vec<DenseSide> {
+    fn sides(
+        delassus: &mut Delassus,
+        count: usize,
+        places: usize,
+        random: &mut Random,
+    ) -> Vec<DenseSide> {
         delassus.clear();
         let mut all: Vec<DenseSide> = Vec::new();
         for row in 0..count {
             for side in 0..row % 3 {
                 let sign = if side == 0 { -1.0 } else { 1.0 };
                 let place = |k: usize| (7 * row + 3 * k + 11 * side) % places;
-                let weights: Vec<_> = (0..1 + row % 5).map(|k| (place(k), random.unit())).collect();
+                let weights: Vec<_> = (0..1 + row % 5)
+                    .map(|k| (place(k), random.unit()))
+                    .collect();
                 delassus.add(row, sign, weights.iter().copied());
                 all.push((row, sign, weights));
             }
@@ -548,9 +564,7 @@ mod tests {
         }
         let mut random = Random(5);
         let dense = Dense::new(9, &mut random);
-        let concerned: Vec<Concerned> = (0..9)
-            .map(|place| Concerned { place, start: 0 })
-            .collect();
+        let concerned: Vec<Concerned> = (0..9).map(|place| Concerned { place, start: 0 }).collect();
         let directions: Vec<Lane> = (0..6)
             .map(|_| [random.unit(), random.unit(), random.unit(), 0.0])
             .collect();

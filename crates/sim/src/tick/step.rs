@@ -1,7 +1,9 @@
 //! One tick: pure, no clock, no I/O, no allocation, no lock, no error.
 
 use super::record::{Command, TickInput, TickOutput};
-use super::{RunState, SceneState, Scratch, admit, arrive, flags, invariants, iterate, motion, quality};
+use super::{
+    RunState, SceneState, Scratch, admit, arrive, flags, invariants, iterate, motion, quality,
+};
 use crate::contact::{PairState, Search, find, grip, near};
 use crate::party::{Around, Party as _};
 use crate::report::explain::{self, Explanation};

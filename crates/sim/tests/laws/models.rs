@@ -506,7 +506,10 @@ fn nets_come_to_the_bits_that_they_came_to() {
             end = world.at([0.035 - 1e-4 * f64::from(k), 0.003, 0.045]);
         }
         assert!(end.tools[0].force_n.norm() > 0.05);
-        println!("ν = {poisson}: {:#018x}, {}", end.state_hash, end.tools[0].force_n);
+        println!(
+            "ν = {poisson}: {:#018x}, {}",
+            end.state_hash, end.tools[0].force_n
+        );
         assert_eq!(
             end.state_hash, expected,
             "ν = {poisson}: {:#018x}",

@@ -58,7 +58,11 @@ fn pressed(world: &mut World, speed_m_s: f64, depth_m: f64) -> Vec<f64> {
     let ticks = ((from - to) / (speed_m_s * 1e-3)).ceil() as usize + 100;
     let place = |k: usize| (from - speed_m_s * 1e-3 * k as f64).max(to);
     (0..ticks)
-        .map(|k| world.at([place(k), SIDE_M[0], SIDE_M[1]]).tools[0].force_n.x)
+        .map(|k| {
+            world.at([place(k), SIDE_M[0], SIDE_M[1]]).tools[0]
+                .force_n
+                .x
+        })
         .collect()
 }
 
@@ -130,7 +134,9 @@ fn a_jump_into_a_body_stays_finite_and_it_comes_back() {
             for (a, b) in world.state.coordinates(0).unwrap().iter().zip(&rest) {
                 apart = (a - b).norm().max(apart);
             }
-            println!("{poisson}, {iterations} it: most {most:.2} N, held {last:.3} N, back to {apart:.1e} m");
+            println!(
+                "{poisson}, {iterations} it: most {most:.2} N, held {last:.3} N, back to {apart:.1e} m"
+            );
             assert!(most < 50.0 && last > 0.1 && apart < 1e-3);
         }
     }
@@ -155,7 +161,11 @@ fn poked(model: &str, poisson: f64, damping_s: f64, iterations: usize, seed: u64
             side = [SIDE_M[0] + jump.x, SIDE_M[1] + jump.y];
         }
         let output = world.at([x, side[0], side[1]]);
-        assert!(output.fault.is_none(), "{model} {poisson}: {:?}", output.fault);
+        assert!(
+            output.fault.is_none(),
+            "{model} {poisson}: {:?}",
+            output.fault
+        );
     }
     [500; 3].map(|ticks| {
         for _ in 0..ticks {
@@ -183,7 +193,10 @@ fn what_was_poked_at_random_comes_back_to_rest() {
         let apart = poked(model, poisson, damping_s, iterations, 5);
         println!("{model} {poisson}, d {damping_s} s, {iterations} it: {apart:?} m");
         let most = if damping_s > 0.0 { 1e-3 } else { 5e-3 };
-        assert!(apart[2] < most, "{model} {poisson} {damping_s} {iterations}: {apart:?}");
+        assert!(
+            apart[2] < most,
+            "{model} {poisson} {damping_s} {iterations}: {apart:?}"
+        );
     }
 }
 
@@ -216,14 +229,22 @@ pose = {{ position = [0.0, 0.0, 0.245] }}
             forces.push(output.tools[0].force_n.z);
         }
         let held = &forces[1400..];
-        let step = held.windows(2).fold(0.0, |most: f64, f| most.max((f[1] - f[0]).abs()));
+        let step = held
+            .windows(2)
+            .fold(0.0, |most: f64, f| most.max((f[1] - f[0]).abs()));
         let nodes = world.state.bodies[0].deformable.as_ref().unwrap();
-        let speed = nodes.velocities.iter().fold(0.0, |most: f64, v| most.max(v.norm()));
+        let speed = nodes
+            .velocities
+            .iter()
+            .fold(0.0, |most: f64, v| most.max(v.norm()));
         println!(
             "{poisson}, {depth_m} m: {:.3} N, steps {:.1e} of it, nodes {speed:.1e} m/s",
             held[0],
             step / held[0]
         );
-        assert!(step < 1e-3 * held[0] && speed < 1e-3, "{poisson}: {step} N, {speed} m/s");
+        assert!(
+            step < 1e-3 * held[0] && speed < 1e-3,
+            "{poisson}: {step} N, {speed} m/s"
+        );
     }
 }

@@ -216,7 +216,9 @@ impl MaterialLaw {
 
     /// Lanes of pressures that are unknowns; none without a continuum.
     pub(in crate::body) fn pressure_lanes(&self) -> usize {
-        self.continuum.as_ref().map_or(0, ContinuumLaw::pressure_lanes)
+        self.continuum
+            .as_ref()
+            .map_or(0, ContinuumLaw::pressure_lanes)
     }
 
     /// Elastic energy, J.

@@ -10,9 +10,7 @@ use crate::body::matter::{Matter, lanes_of};
 use crate::body::scalar_factor::ScalarFactor;
 use crate::body::settings::DeformableError;
 use crate::body::tangent;
-use palpate_geometry::math::{
-    BlockCholesky, BlockTriplets, Lane, Point3, SymmetricTriplets,
-};
+use palpate_geometry::math::{BlockCholesky, BlockTriplets, Lane, Point3, SymmetricTriplets};
 
 /// Most stiffness over inertia for which a factor in single precision is good.
 const MOST_STIFF: f64 = 1e5;

@@ -4,8 +4,8 @@
 //! Ψ = V₀ k / 2 (J₁ − J)² while the volume V = J V₀ of a cell is below J₁ V₀, else nothing: lattices
 //! that are not crushed have the forces of their springs alone, to the bit.
 
-use super::elastic::Elastic;
 use super::ContinuumLaw;
+use super::elastic::Elastic;
 use super::kernel::{self, times};
 use super::rest::RestCell;
 use crate::body::cells::Cell;
@@ -140,7 +140,9 @@ fn add_forces<L: Lanes>(blocks: &[Block], places: &[Lane], residual: &mut [Lane]
             continue;
         }
         // Far out the bound only turns what has overflowed into numbers.
-        let lost = (threshold - share).greatest(L::splat(0.0)).least(L::splat(1e90));
+        let lost = (threshold - share)
+            .greatest(L::splat(0.0))
+            .least(L::splat(1e90));
         let pressure = L::load(&block.stiffness_pa) * lost;
         let force = growth.map(|grown| times(grown, pressure));
         kernel::scatter(&block.nodes, force, residual);

@@ -136,7 +136,13 @@ impl ContinuumLaw {
                     for (gauss, metric) in metrics.iter().enumerate() {
                         let slopes = std::array::from_fn(|corner| slope(gauss, corner));
                         let stiffness_j = block.stiffness_j[gauss][lane];
-                        add_shape(&slopes, &matrix_of(metric, lane), stiffness_j, &x, &mut matrix);
+                        add_shape(
+                            &slopes,
+                            &matrix_of(metric, lane),
+                            stiffness_j,
+                            &x,
+                            &mut matrix,
+                        );
                     }
                 }
             }

@@ -222,7 +222,10 @@ pub(in crate::body) fn metric_at_centre(nodes: &[[u32; 4]; 8], places: &[Lane]) 
     for cell in 0..4 {
         let map = Matrix3::from_fn(|row, column| columns[column][row][cell]);
         let inverse = map.try_inverse().unwrap_or_else(Matrix3::zeros);
-        for (row, value) in metrics.iter_mut().zip(rows_of(&(inverse * inverse.transpose()))) {
+        for (row, value) in metrics
+            .iter_mut()
+            .zip(rows_of(&(inverse * inverse.transpose())))
+        {
             row[cell] = value;
         }
     }
@@ -335,11 +338,7 @@ pub(super) fn scatter<L: Lanes>(
 /// ∂Ψ/∂V = q − μ with the sign of the winding, Pa, and the gap J̄ − 1 − q / λ' between volume and pressure. A pressure
 /// q that is not given follows the volume: there is no gap.
 #[inline(always)]
-pub(super) fn pressure<L: Lanes>(
-    block: &CellBlock,
-    volume: L,
-    given_pa: Option<&Four>,
-) -> (L, L) {
+pub(super) fn pressure<L: Lanes>(block: &CellBlock, volume: L, given_pa: Option<&Four>) -> (L, L) {
     let grown = grown(block, volume);
     let (q, gap) = match given_pa {
         Some(q) => {
@@ -348,7 +347,10 @@ pub(super) fn pressure<L: Lanes>(
         }
         None => (L::load(&block.bulk_pa) * grown, L::splat(0.0)),
     };
-    ((q - L::load(&block.shear_pa)) * L::load(&block.winding), gap)
+    (
+        (q - L::load(&block.shear_pa)) * L::load(&block.winding),
+        gap,
+    )
 }
 
 /// J̄ − 1.

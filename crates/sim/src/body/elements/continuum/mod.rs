@@ -19,9 +19,9 @@ mod hessian;
 mod kernel;
 mod patch;
 mod rest;
-mod unknown;
 #[cfg(test)]
 pub(in crate::body) mod tests;
+mod unknown;
 
 use crate::body::cells::{Cell, CellGrid};
 pub use barrier::VolumeBarrier;
@@ -29,11 +29,11 @@ pub use elastic::Elastic;
 pub(in crate::body) use flow::CellFlow;
 use kernel::CellBlock;
 pub(in crate::body) use kernel::{areas_squared, metric_at_centre, stretched};
-pub(in crate::body) use unknown::Growth;
 use palpate_geometry::math::lanes::{Baseline, Lanes};
 use palpate_geometry::math::{Lane, Point3, Vector3};
 use patch::Patch;
 use rest::RestCell;
+pub(in crate::body) use unknown::Growth;
 
 /// Cells below this least scaled Jacobian are refused: their strains say little about the solid.
 pub const LEAST_SCALED_JACOBIAN: f64 = 0.2;

@@ -11,8 +11,8 @@ use super::centre::{self, Centres};
 use super::elastic::Elastic;
 use super::kernel::{self, CellBlock};
 use crate::body::cells::{Cell, CellGrid};
-use palpate_geometry::math::lanes::{Four, Lanes};
 use palpate_geometry::math::Lane;
+use palpate_geometry::math::lanes::{Four, Lanes};
 use std::collections::BTreeMap;
 
 /// λ / μ of which each cell keeps its own part.
@@ -212,9 +212,9 @@ impl Patch {
 mod tests {
     use super::super::tests::{Random, assert_forces_are_slopes};
     use super::super::{ContinuumLaw, Given, add_forces};
-    use crate::body::elements::Place;
     use super::*;
     use crate::body::CubeLattice;
+    use crate::body::elements::Place;
     use palpate_geometry::math::lanes::Baseline;
     use palpate_geometry::math::{Matrix3, Point3, Vector3};
 
@@ -395,7 +395,10 @@ mod tests {
         };
         solid.add_forces_of(&[], Some(unknown), &places, &mut given);
         solid.add_forces(&places, &mut own);
-        let size = own.as_flattened().iter().fold(0.0f64, |a, f| a.max(f.abs()));
+        let size = own
+            .as_flattened()
+            .iter()
+            .fold(0.0f64, |a, f| a.max(f.abs()));
         for (a, b) in given.as_flattened().iter().zip(own.as_flattened()) {
             assert!((a - b).abs() < 1e-12 * size, "{a} {b}");
         }
@@ -403,11 +406,16 @@ mod tests {
             assert!(gaps[..block.count].iter().all(|gap| gap.abs() < 1e-14));
         }
         let step = 1e-7;
-        let ways: Vec<Lane> = places.iter().map(|_| {
-            let v = random.vector();
-            [v.x, v.y, v.z, 0.0]
-        }).collect();
-        let ahead: Vec<Lane> = places.iter().zip(&ways)
+        let ways: Vec<Lane> = places
+            .iter()
+            .map(|_| {
+                let v = random.vector();
+                [v.x, v.y, v.z, 0.0]
+            })
+            .collect();
+        let ahead: Vec<Lane> = places
+            .iter()
+            .zip(&ways)
             .map(|(p, v)| std::array::from_fn(|k| p[k] + step * v[k]))
             .collect();
         let mut then = pressures.clone();
@@ -417,7 +425,12 @@ mod tests {
         solid.press(&growth, &ways, step, None, &mut pressures);
         let (mut largest, mut off) = (0.0f64, 0.0f64);
         // Cells that are not there have none.
-        let there = |k: &usize| solid.blocks.get(k / 4).is_none_or(|block| k % 4 < block.count);
+        let there = |k: &usize| {
+            solid
+                .blocks
+                .get(k / 4)
+                .is_none_or(|block| k % 4 < block.count)
+        };
         for k in (0..pressures.as_flattened().len()).filter(there) {
             let at = |lanes: &[Lane]| lanes.as_flattened()[k];
             largest = largest.max((at(&then) - at(&before)).abs());
@@ -426,9 +439,12 @@ mod tests {
         assert!(off < 1e-4 * largest, "{off} of {largest}");
         // Condensing is the transpose.
         let mut loads = vec![[0.0; 4]; places.len()];
-        gaps.iter_mut().for_each(|gap| *gap = std::array::from_fn(|_| random.unit()));
+        gaps.iter_mut()
+            .for_each(|gap| *gap = std::array::from_fn(|_| random.unit()));
         solid.condense(&growth, &gaps, &mut loads);
-        let work: f64 = loads.iter().zip(&ways)
+        let work: f64 = loads
+            .iter()
+            .zip(&ways)
             .map(|(f, v)| f[0] * v[0] + f[1] * v[1] + f[2] * v[2])
             .sum();
         let mut change = vec![[0.0; 4]; gaps.len()];

@@ -11,7 +11,8 @@ mod statics;
 use super::*;
 use crate::body::layers::{RingEnds, Rings, rings};
 use crate::body::{
-    Deformable, DeformableScratch, DeformableState, Inside, Integrator, Material, Solid, StepMatrix, StepSettings,
+    Deformable, DeformableScratch, DeformableState, Inside, Integrator, Material, Solid,
+    StepMatrix, StepSettings,
 };
 pub(in crate::body) use palpate_geometry::math::Random;
 use palpate_geometry::math::Vector3;
@@ -186,7 +187,8 @@ impl World {
     fn step(&mut self) {
         self.body.predict(&self.state, &mut self.scratch);
         self.body.advance(&mut self.state, &mut self.scratch);
-        self.body.take_over(&mut self.state, &mut self.scratch, None);
+        self.body
+            .take_over(&mut self.state, &mut self.scratch, None);
     }
 
     fn energy_j(&self) -> f64 {
@@ -202,6 +204,8 @@ impl World {
     /// Farthest node from rest, m.
     fn farthest_m(&self) -> f64 {
         let places = self.state.positions.iter().zip(self.body.rest());
-        places.map(|(p, rest)| (p - rest).norm()).fold(0.0, f64::max)
+        places
+            .map(|(p, rest)| (p - rest).norm())
+            .fold(0.0, f64::max)
     }
 }

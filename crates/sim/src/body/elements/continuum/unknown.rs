@@ -5,10 +5,10 @@
 //! the right-hand side loses Σ G₀ λ c, and a correction d of places changes q by λ (c + s G₀·d / V), G₀ = ∂V/∂x
 //! where the matrix was made. The rate of such steps does not depend on λ (Hadjicharalambous et al. 2014).
 
-use super::kernel::CellBlock;
 use super::ContinuumLaw;
 #[cfg(test)]
 use super::Points;
+use super::kernel::CellBlock;
 use palpate_geometry::math::lanes::{Baseline, Four, Lanes};
 use palpate_geometry::math::{Lane, Vector3};
 
