@@ -27,10 +27,8 @@ impl World {
         body.map_or(String::new(), |body| {
             let energy = self.state.bodies[0].deformable.as_ref().map_or(0.0, |state| body.energy_j(state));
             let (_, passes) = body.integration();
-            let held = self.scratch.limited_cells(&self.scene, 0);
-            let held = if held > 0 { format!(", {held} cells held back") } else { String::new() };
             let (energy_mj, work_mj, free) = (energy * 1e3, self.work_j * 1e3, body.unknown_count());
-            format!("{energy_mj:.4} of {work_mj:.4} mJ stored, {free} free coordinates, {passes} passes a step{held}")
+            format!("{energy_mj:.4} of {work_mj:.4} mJ stored, {free} free coordinates, {passes} passes a step")
         })
     }
 }

@@ -283,16 +283,10 @@ impl Refit {
                 .zip(self.fit.as_ref())
                 .map(|(sample, fit)| fit.shares(sample));
             for (r, here) in contacts.iter().enumerate() {
-                let Some(column) = self
-                    .body
-                    .compliance_of(&self.scratch, self.nodes[here.node])
-                else {
-                    continue;
-                };
                 let of_node = |k: usize| {
-                    self.body
-                        .unknown(self.nodes[k])
-                        .map_or(0.0, |row| column[row])
+                    let load = (self.nodes[here.node], &here.push);
+                    let moved = self.body.moved_by(&self.scratch, load, self.nodes[k]);
+                    moved.map_or(0.0, |moved| moved.dot(&there.push))
                 };
                 let moved = match &shares {
                     None => of_node(there.node),
@@ -302,7 +296,7 @@ impl Refit {
                         .map(|(k, share)| share * of_node(k))
                         .sum(),
                 };
-                effects[s * n + r] = moved * there.push.dot(&here.push);
+                effects[s * n + r] = moved;
             }
         }
         // All rows at once, so that nodes share what is deepest between them; row by row the first

@@ -6,7 +6,7 @@
 //! the body; the linear systems are solved by conjugate gradients behind the factor of a tangent from
 //! before, or behind M where there is none. Starts from the correction of the step before. Used for
 //! error figures and tests: it allocates, iterates to convergence, and its bits may differ between
-//! machines. The limit to how far damping looks ahead is not part of it.
+//! machines.
 
 mod band;
 pub mod contact;
@@ -198,7 +198,7 @@ impl<'a> ExactStep<'a> {
         for (&c, place) in self.order.iter().zip(places.chunks(3)) {
             self.asked.positions[c as usize] = Point3::new(place[0], place[1], place[2]);
         }
-        let forces = self.body.exact_forces(&self.asked, &mut self.scratch);
+        let forces = self.body.internal_forces(&self.asked, &mut self.scratch);
         let of = |&c: &u32| {
             let [x, y, z, _] = forces[c as usize];
             [x, y, z]

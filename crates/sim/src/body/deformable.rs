@@ -12,7 +12,7 @@ use super::calm::{Outline, STILL_STEPS};
 use super::core::SurfaceBlocks;
 use super::field::Field;
 use super::follow::{Following, Follows, Made};
-use super::frame::{Frame, IDENTITY};
+use super::frame::{Frame, IDENTITY, from_rest, into_rest};
 use super::guard::{Guard, RigidStep};
 use super::implicit::ImplicitStep;
 use super::material::Plastic;
@@ -676,6 +676,30 @@ impl Deformable {
     pub(crate) fn rigid_part<'a>(&self, scratch: &'a DeformableScratch) -> Option<&'a RigidPart> {
         let implicit = &scratch.implicit;
         (implicit.inertia.is_some()).then_some(&implicit.rigid)
+    }
+
+    /// How a force (N) held through the step on one coordinate of the net moves another, m, without what rigid motions
+    /// add; `None` where either is fixed.
+    pub fn moved_by(
+        &self,
+        scratch: &DeformableScratch,
+        (from, force): (usize, &Vector3),
+        to: usize,
+    ) -> Option<Vector3> {
+        let (from, to) = (self.surface_place(from)?, self.surface_place(to)?);
+        let block = &self.compliance_of(scratch, from)[to];
+        let load = into_rest(
+            self.frame_of(scratch, from),
+            &[force.x, force.y, force.z, 0.0],
+        );
+        let along = |row: usize| {
+            (0..3)
+                .map(|c| f64::from(block[3 * c + row]) * load[c])
+                .sum()
+        };
+        let moved = [along(0), along(1), along(2), 0.0];
+        let [x, y, z, _] = from_rest(self.frame_of(scratch, to), &moved);
+        Some(Vector3::new(x, y, z))
     }
 
     /// Contact forces (N) by coordinate of the net with which the free motion of the scratch was predicted.

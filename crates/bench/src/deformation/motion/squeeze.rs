@@ -178,7 +178,7 @@ impl Plate {
     fn force_n(&self, world: &World, way: &Vector3) -> Result<f64, String> {
         let (body, state) = world.body()?;
         let mut scratch = body.scratch();
-        let forces = body.exact_forces(state, &mut scratch);
+        let forces = body.internal_forces(state, &mut scratch);
         let on_it = self.0.iter().map(|&(c, _)| forces[c]);
         Ok(on_it
             .map(|f| -Vector3::new(f[0], f[1], f[2]).dot(way))
