@@ -95,6 +95,9 @@ struct Springs {
 /// How taut springs of a sheet are, 1 − rest length / length, up to which each of its factors follows.
 const TAUT: [f64; 4] = [0.002, 0.01, 0.06, 0.3];
 
+/// How often a correction that makes the residual grow is halved at most.
+const MOST_HALVINGS: usize = 3;
+
 /// A correction that turns over this often in a row without becoming smaller grows; a large one
 /// need only do so twice.
 const TURNS: [f64; 2] = [3.0, 2.0];
@@ -377,11 +380,13 @@ impl ImplicitStep {
         let last_j = scratch.implicit.merit_j;
         self.correct_by_core(matter, scratch, first);
         if self.iterations > 1 {
-            if !first && scratch.implicit.merit_j > last_j {
+            let mut halvings = 0;
+            while !first && scratch.implicit.merit_j > last_j && halvings < MOST_HALVINGS {
                 // Half of the last correction, and another look from there.
                 Before::go_half_back(scratch);
                 self.weigh(matter, state, scratch);
                 self.correct_by_core(matter, scratch, first);
+                halvings += 1;
             }
             Before::keep(scratch);
         }
