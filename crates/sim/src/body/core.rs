@@ -119,7 +119,7 @@ impl SurfaceBlocks {
         all
     }
 
-    /// The same in all directions: `columns` (surface × unknowns), m/N.
+    /// Of a body that answers alike in all directions, by `columns` (surface × unknowns), m/N.
     pub fn of_scalars(matter: &Matter, columns: &[f64]) -> Self {
         let count = matter.surface.len();
         let n = matter.unknown_count();

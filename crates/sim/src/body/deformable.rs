@@ -300,6 +300,11 @@ impl Deformable {
             .then_some(|c: usize| scratch.reached[c] - scratch.predicted[c])
     }
 
+    /// The step has taken its contact forces, and is not ended yet.
+    pub(crate) fn has_arrived(&self, scratch: &DeformableScratch) -> bool {
+        scratch.arrived
+    }
+
     /// The share of the motion of the step that the body can follow: 1, or less.
     pub fn share(&self, scratch: &DeformableScratch) -> f64 {
         match scratch.arrived {

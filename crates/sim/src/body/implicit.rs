@@ -196,25 +196,11 @@ impl ImplicitStep {
             taut: 0,
             starts: matter.rest.clone(),
             inertia: None,
-            rigid: RigidPart {
-                arms: vec![
-                    Vector3::zeros();
-                    if matter.is_free() {
-                        matter.surface.len()
-                    } else {
-                        0
-                    }
-                ],
-                answers: vec![
-                    [Vector3::zeros(); 6];
-                    if matter.is_free() {
-                        matter.surface.len()
-                    } else {
-                        0
-                    }
-                ],
-                ..RigidPart::default()
-            },
+            rigid: RigidPart::for_places(if matter.is_free() {
+                matter.surface.len()
+            } else {
+                0
+            }),
             followed: None,
         }
     }

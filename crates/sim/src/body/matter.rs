@@ -274,7 +274,7 @@ impl Matter {
         self.add_forces(state, scratch, false);
     }
 
-    /// The same under the pressures of the step, whose gaps it leaves there.
+    /// Adds them under the pressures of the step, and leaves the gaps of these in the scratch.
     pub fn add_step_forces(&self, state: &DeformableState, scratch: &mut DeformableScratch) {
         self.add_forces(state, scratch, true);
     }
@@ -329,7 +329,7 @@ impl Matter {
         }
     }
 
-    /// The same for springs, which would be turned over far ahead: not as far where neighbours part or meet.
+    /// [`Matter::look_ahead`] for springs: less far where neighbours part or meet, since far ahead cells turn over.
     pub fn look_ahead_short(
         &self,
         look_ahead: &LookAhead,

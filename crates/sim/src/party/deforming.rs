@@ -362,11 +362,13 @@ impl Party for Of<'_, &DeformingBody> {
 
     fn stand_still(&self, field: Field, state: &BodyState, scratch: &mut BodyScratch) {
         let deformable = &self.kind.deformable;
-        if let Some(deforming) = &mut scratch.deforming {
-            deformable.drop_loads(&mut deforming.deformable);
-        }
-        // Takes back further iterations: the next tick begins with the first.
-        if deformable.iterations() > 1 {
+        let Some(deforming) = &mut scratch.deforming else {
+            return;
+        };
+        deformable.drop_loads(&mut deforming.deformable);
+        // Takes back where the forces of this tick led: the next one begins with those of the state.
+        let arrived = deformable.has_arrived(&deforming.deformable);
+        if arrived || deformable.iterations() > 1 {
             self.prepare(field, state, scratch, false);
         }
     }

@@ -40,6 +40,15 @@ pub struct Amounts {
 }
 
 impl RigidPart {
+    /// Room for as many places.
+    pub fn for_places(count: usize) -> Self {
+        Self {
+            arms: vec![Vector3::zeros(); count],
+            answers: vec![[Vector3::zeros(); 6]; count],
+            ..Self::default()
+        }
+    }
+
     /// Adds a force at a place.
     pub fn add(&self, place: usize, force: &Vector3, to: &mut Loads) {
         to.rigid[0] += force;

@@ -335,8 +335,8 @@ pub(super) fn scatter<L: Lanes>(
     }
 }
 
-/// ∂Ψ/∂V = q − μ with the sign of the winding, Pa, and the gap J̄ − 1 − q / λ' between volume and pressure. A pressure
-/// q that is not given follows the volume: there is no gap.
+/// ∂Ψ/∂V = q − μ with the sign of the winding, Pa, and the gap J̄ − 1 − q / λ' between volume and pressure. Without a given
+/// pressure q is λ' (J̄ − 1), and the gap is zero.
 #[inline(always)]
 pub(super) fn pressure<L: Lanes>(block: &CellBlock, volume: L, given_pa: Option<&Four>) -> (L, L) {
     let grown = grown(block, volume);

@@ -159,7 +159,7 @@ impl ContinuumLaw {
         })
     }
 
-    /// The same of cells that may be distorted.
+    /// Takes distorted cells as well, without a check.
     fn unchecked(nodes: &[Point3], cells: &[Cell], elastic: &[Elastic]) -> Self {
         let four = cells.chunks(4).zip(elastic.chunks(4));
         Self {
@@ -235,7 +235,7 @@ impl ContinuumLaw {
         self.add_forces_of(&[], None, places, residual);
     }
 
-    /// The same of cells that flow and under pressures of their own. `metrics`: as [`CellFlow::rest`], empty where none
+    /// Adds forces of cells that flow, or under given pressures. `metrics`: as [`CellFlow::rest`], empty where none
     /// flows; `given`: pressures instead of those that follow the volumes.
     pub(in crate::body) fn add_forces_of(
         &self,
