@@ -137,7 +137,7 @@ pub fn scene(bytes: &[u8]) {
     // All values are checked, but nothing large is built of them.
     let checked = parsed.and_then(|mut loaded| {
         for body in &mut loaded.spec.bodies {
-            body.model = scene::spec::ModelSpec::Rigid;
+            body.model = Some(scene::spec::ModelSpec::Rigid);
             body.surface.net = body.surface.net.map(|net| net.map(|count| count.min(32)));
         }
         for tool in &mut loaded.spec.tools {

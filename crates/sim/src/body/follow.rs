@@ -5,13 +5,14 @@
 //! [`DUE`] steps later, whenever it was done: a replay makes the same one from the same places.
 
 use super::core::Core;
-use super::elements::continuum::{areas_squared, metric_at_centre};
+use super::elements::continuum::{areas_squared, inverses, squares_at_centre};
 use super::matter::{Matter, lanes, lanes_of};
 use super::state::DeformableState;
 use crate::in_place::clone_in_place;
 use palpate_geometry::math::lanes::{Baseline, Four, Lanes};
 use palpate_geometry::math::{Lane, Point3};
 use palpate_geometry::stateful;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Most that an area of a cell may have grown by, as a factor, before a matrix is made anew; and within which that of
@@ -149,6 +150,8 @@ pub(super) struct Cells {
     nodes: Vec<[[u32; 4]; 8]>,
     /// J⁻¹ J⁻ᵀ at the centres, 1/m².
     metrics: Vec<[Four; 6]>,
+    /// (rounds): nodes of the cells that are looked at in it.
+    rounds: [Vec<u32>; ROUND],
 }
 
 impl Cells {
@@ -162,18 +165,31 @@ impl Cells {
                     nodes[corner][k] = cell[corner];
                 }
             }
-            all.metrics.push(metric_at_centre(&nodes, places));
+            all.metrics
+                .push(inverses(&squares_at_centre(&nodes, places)));
             all.nodes.push(nodes);
+        }
+        for round in 0..ROUND {
+            let nodes = all.nodes[all.round(round)].as_flattened().as_flattened();
+            let mut nodes = nodes.to_vec();
+            nodes.sort_unstable();
+            nodes.dedup();
+            all.rounds[round] = nodes;
         }
         all
     }
 
-    /// The most that an area of a cell has grown by since, at `places` (nodes), as a factor, or a little more; of every
-    /// `every`-th four cells from `first` on.
-    fn grown(&self, places: &[Lane], first: usize, every: usize) -> f64 {
+    /// Cells that are looked at in a round.
+    fn round(&self, round: usize) -> Range<usize> {
+        let end = |round: usize| round * self.nodes.len() / ROUND;
+        end(round)..end(round + 1)
+    }
+
+    /// The most that an area of some of the cells has grown by since, at `places` (nodes), as a factor, or a little more.
+    fn grown(&self, places: &[Lane], cells: Range<usize>) -> f64 {
         let mut most = 0.0_f64;
-        let cells = self.nodes.iter().zip(&self.metrics);
-        for (nodes, metric) in cells.skip(first).step_by(every) {
+        let cells = self.nodes[cells.clone()].iter().zip(&self.metrics[cells]);
+        for (nodes, metric) in cells {
             let mut squares = [0.0; 4];
             areas_squared::<Baseline>(nodes, metric, places).store(&mut squares);
             // What is not a number is no reason for a matrix.
@@ -211,15 +227,18 @@ pub(super) fn look(
     let round = state.following.step as usize % ROUND;
     state.following.step = (round as u32 + 1) % ROUND as u32;
     lanes(&state.positions, coordinates);
-    let places = matter.nodes_of(coordinates, nodes);
-    let is_set = state.following.now.is_set;
-    if is_set && round == 0 && rest.cells.grown(places, 0, 1) <= BACK_AT_REST {
-        state.following.now.is_set = false;
-        return Follows::AtRest;
+    if state.following.now.is_set && round == 0 {
+        let places = matter.nodes_of(coordinates, nodes);
+        if rest.cells.grown(places, 0..rest.cells.nodes.len()) <= BACK_AT_REST {
+            state.following.now.is_set = false;
+            return Follows::AtRest;
+        }
     }
-    if now.cells.grown(places, round, ROUND) <= MOST_GROWN {
+    let places = matter.some_nodes_of(&now.cells.rounds[round], coordinates, nodes);
+    if now.cells.grown(places, now.cells.round(round)) <= MOST_GROWN {
         return Follows::On;
     }
+    let places = matter.nodes_of(coordinates, nodes);
     // A tangent of crushed cells says little about the body once it has come out of that.
     let solid = matter.law.continuum.as_ref();
     if solid.is_none_or(|solid| solid.least_volume(places) < LEAST_VOLUME) {

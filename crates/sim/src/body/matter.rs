@@ -245,6 +245,7 @@ impl Matter {
             arrived: false,
             share: 1.0,
             rigid: None,
+            strains: Vec::new(),
             shortened: false,
             follows: Follows::On,
             turning: None,
@@ -355,6 +356,22 @@ impl Matter {
             NodeMap::Same => coordinates,
             NodeMap::Sparse(map) => {
                 map.apply(coordinates, buffer);
+                buffer
+            }
+        }
+    }
+
+    /// Where some nodes are; others are anywhere.
+    pub fn some_nodes_of<'a>(
+        &self,
+        some: &[u32],
+        coordinates: &'a [Lane],
+        buffer: &'a mut [Lane],
+    ) -> &'a [Lane] {
+        match &self.map {
+            NodeMap::Same => coordinates,
+            NodeMap::Sparse(map) => {
+                map.apply_some(some, coordinates, buffer);
                 buffer
             }
         }

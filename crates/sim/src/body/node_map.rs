@@ -207,16 +207,31 @@ impl SparseRows {
         self.add_transposed_in::<Baseline>(nodes, coordinates);
     }
 
+    /// x = W q of some nodes.
+    pub(super) fn apply_some(&self, some: &[u32], coordinates: &[Lane], nodes: &mut [Lane]) {
+        debug_assert_eq!(nodes.len(), self.rows(), "a row a node");
+        for &row in some {
+            self.sum::<Baseline>(row as usize, coordinates)
+                .store(&mut nodes[row as usize]);
+        }
+    }
+
     #[inline(always)]
     fn apply_in<L: Lanes>(&self, coordinates: &[Lane], nodes: &mut [Lane]) {
         for (row, node) in nodes.iter_mut().enumerate() {
-            let (columns, weights) = self.row(row);
-            let mut sum = L::splat(0.0);
-            for (&column, &weight) in columns.iter().zip(weights) {
-                sum = sum + L::load(&coordinates[column as usize]) * L::splat(weight);
-            }
-            sum.store(node);
+            self.sum::<L>(row, coordinates).store(node);
         }
+    }
+
+    /// One row of W q.
+    #[inline(always)]
+    fn sum<L: Lanes>(&self, row: usize, coordinates: &[Lane]) -> L {
+        let (columns, weights) = self.row(row);
+        let mut sum = L::splat(0.0);
+        for (&column, &weight) in columns.iter().zip(weights) {
+            sum = sum + L::load(&coordinates[column as usize]) * L::splat(weight);
+        }
+        sum
     }
 
     #[inline(always)]

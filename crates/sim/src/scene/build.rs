@@ -52,7 +52,7 @@ pub fn inline_files(spec: &SceneSpec, directory: &Path) -> Result<SceneSpec, Sce
     for (b, body) in inlined.bodies.iter_mut().enumerate() {
         let at = top.key("body").entry(b);
         let _ = body.surface.inline_file(&at.key("surface"));
-        if body.model.model().deforms() {
+        if body.model().model().deforms() {
             // Written out: a later build may choose another number.
             body.lattice.layers = Some(body.layers());
         }
@@ -153,7 +153,7 @@ fn frame(spec: &SceneSpec, top: &At<'_>) -> Option<Option<FrameOf>> {
     };
     let mut refused = false;
     for (b, body) in spec.bodies.iter().enumerate() {
-        if body.model.model().deforms() && body.integrator.every > 1 {
+        if body.model().model().deforms() && body.integrator.every > 1 {
             let at = top.key("body").entry(b).key("integrator").key("every");
             at.refuse(
                 "a body in a carried frame steps every tick: what it feels changes with each; use every = 1",

@@ -36,10 +36,10 @@ pub(super) fn build(
 ) -> Option<Mover> {
     let before = at.problem_count();
     let key = at.key("free");
-    if spec.model.model().deforms() {
+    if spec.model().model().deforms() {
         key.refuse(format!(
             "a body with model = {:?} is moved by contact and gravity already; drop free, or use model = \"rigid\"",
-            spec.model.name()
+            spec.model().name()
         ));
     }
     for (other, given) in [

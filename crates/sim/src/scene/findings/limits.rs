@@ -69,7 +69,7 @@ fn loaded_surfaces(scene: &Scene, found: &mut Found) {
 
 fn nearly_incompressible(scene: &Scene, found: &mut Found) {
     for (b, body) in scene.spec.bodies.iter().enumerate() {
-        if !matches!(body.model, ModelSpec::Continuum | ModelSpec::Net) {
+        if !matches!(body.model(), ModelSpec::Continuum | ModelSpec::Net) {
             continue;
         }
         let own =
@@ -111,7 +111,7 @@ fn coarse_nets(scene: &Scene, found: &mut Found) {
         (scene.spec.tools.iter()).filter_map(|tool| tool.shape.shape().refines_to_radius_m());
     let radius_m = radii.fold(f64::INFINITY, f64::min);
     for (b, (body, spec)) in scene.bodies.iter().zip(&scene.spec.bodies).enumerate() {
-        if spec.model != ModelSpec::Net || !radius_m.is_finite() {
+        if spec.model() != ModelSpec::Net || !radius_m.is_finite() {
             continue;
         }
         let apart_m = match &spec.lattice.refine {

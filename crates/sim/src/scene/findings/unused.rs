@@ -2,7 +2,7 @@
 
 use super::Found;
 use crate::scene::Scene;
-use crate::scene::spec::{BodySpec, BuilderSpec, ModelSpec};
+use crate::scene::spec::{BodySpec, BuilderSpec, MatrixSpec, ModelSpec};
 
 /// A key, whether the body gives it, the models that use it, and what to do.
 type Row = (
@@ -16,7 +16,7 @@ use ModelSpec::{Continuum, Lattice, Membrane, Net};
 const DEFORMING: &[ModelSpec] = &[Membrane, Lattice, Continuum, Net];
 
 /// Keys whose absence can be told from their default.
-const ROWS: [Row; 8] = [
+const ROWS: [Row; 9] = [
     (
         "material.poisson",
         |body| body.material.poisson.is_some(),
@@ -60,6 +60,12 @@ const ROWS: [Row; 8] = [
         "only a net has cells apart from its nodes; use model = \"net\", or drop it",
     ),
     (
+        "integrator.matrix",
+        |body| body.integrator.matrix == MatrixSpec::Bounding,
+        &[Lattice, Membrane],
+        "a continuum takes the tangent of its cells, whose pressures are unknowns; drop it",
+    ),
+    (
         "lattice.builder",
         |body| body.lattice.builder != BuilderSpec::Layers,
         &[Lattice, Continuum],
@@ -70,7 +76,7 @@ const ROWS: [Row; 8] = [
 pub(super) fn look(scene: &Scene, found: &mut Found) {
     for (b, body) in scene.spec.bodies.iter().enumerate() {
         for (key, given, users, what) in ROWS {
-            if given(body) && !users.contains(&body.model) {
+            if given(body) && !users.contains(&body.model()) {
                 found.unusual(
                     format!("body[{b}].{key}"),
                     format!("{key} has no effect on body {}: {what}", body.id),
@@ -78,7 +84,7 @@ pub(super) fn look(scene: &Scene, found: &mut Found) {
             }
         }
         for (r, region) in body.regions.iter().enumerate() {
-            if region.poisson.is_some() && body.model == Lattice {
+            if region.poisson.is_some() && body.model() == Lattice {
                 found.unusual(
                     format!("body[{b}].region[{r}].poisson"),
                     format!("poisson has no effect on body {}: {}", body.id, ROWS[0].3),

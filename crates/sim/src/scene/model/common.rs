@@ -78,7 +78,7 @@ pub(super) fn deforming<'b>(
     values::launch(spec, &mut deformable, at)?;
     let samples = ContactSamples::new(&refined, samples_per_span(&refined));
     let choice = Choice {
-        model: spec.model.name(),
+        model: spec.model().name(),
         why,
     };
     let model = DeformingBody {

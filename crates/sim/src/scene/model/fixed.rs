@@ -115,7 +115,7 @@ fn below(
         return;
     }
     let (lattice, layers) = (&body.spec.lattice, body.spec.layers());
-    let layered = lattice.builder == BuilderSpec::Layers || body.spec.model == ModelSpec::Net;
+    let layered = lattice.builder == BuilderSpec::Layers || body.spec.model() == ModelSpec::Net;
     match layout(surface, &surface.topology()) {
         // Layers are copies of the net, one after the other.
         None if layered => {

@@ -105,7 +105,7 @@ pub(super) fn build(
     let original_net = [original.net().rows(), original.net().columns()];
     let two_sided = !original.topology().is_closed();
     let size_m = original.size();
-    let (surface, model) = spec.model.model().build(&Inputs {
+    let (surface, model) = spec.model().model().build(&Inputs {
         scene,
         tools,
         spec,

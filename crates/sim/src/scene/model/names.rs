@@ -3,12 +3,11 @@
 use serde::{Deserialize, Serialize};
 
 /// How a body moves.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum ModelSpec {
     /// It does not deform.
-    #[default]
     Rigid,
     /// A skin: springs between control points, bending along their rows.
     Membrane,

@@ -17,9 +17,10 @@ pub struct BodySpec {
     /// Placement in the world.
     #[serde(default)]
     pub pose: PoseSpec,
-    /// How it moves, and what moves it.
-    #[serde(default)]
-    pub model: ModelSpec,
+    /// How it moves, and what moves it. When absent: `continuum` with a material, unless the body is free, moved or
+    /// carried; else `rigid`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub model: Option<ModelSpec>,
     /// What it is made of; deforming models use it, and of a free rigid body its density.
     #[serde(default)]
     pub material: MaterialSpec,
@@ -59,13 +60,25 @@ pub struct BodySpec {
 }
 
 impl BodySpec {
+    /// How it moves, and what moves it.
+    pub fn model(&self) -> ModelSpec {
+        let goes_as_a_whole = self.free || self.motion.is_some() || self.carried_by.is_some();
+        let is_solid = self.material != MaterialSpec::default() && !goes_as_a_whole;
+        let default = if is_solid {
+            ModelSpec::Continuum
+        } else {
+            ModelSpec::Rigid
+        };
+        self.model.unwrap_or(default)
+    }
+
     /// How many layers its cells have. The default is what meets the least wrong forces for its nodes: a 10 mm ball on
     /// the teardrop, 1 to 4 mm deep, meets with two, three and four layers of `refine = "auto"` too much by −2 to −5, 0 to 6 and 6
     /// to 8 % (`continuum`), −28 to −21, −4 to 3 and 7 to 13 % (`lattice`), 8 to 41, 22 to 60 and 40 to 79 % (`net`); a
     /// slab of 30 mm as a `net` 78 to 201, 32 to 157 and 99 to 297 %.
     pub fn layers(&self) -> usize {
         let closed = self.lattice.thickness_m.is_none();
-        let default = if self.model == ModelSpec::Net && closed {
+        let default = if self.model() == ModelSpec::Net && closed {
             2
         } else {
             3

@@ -144,7 +144,8 @@ fn add_forces<L: Lanes>(blocks: &[Block], places: &[Lane], residual: &mut [Lane]
             .greatest(L::splat(0.0))
             .least(L::splat(1e90));
         let pressure = L::load(&block.stiffness_pa) * lost;
-        let force = growth.map(|grown| times(grown, pressure));
+        let [x, y, z] = growth;
+        let force = [times(x, pressure), times(y, pressure), times(z, pressure)];
         kernel::scatter(&block.nodes, force, residual);
     }
 }

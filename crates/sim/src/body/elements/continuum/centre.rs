@@ -71,7 +71,11 @@ impl<L: Lanes> Centres<L> {
     #[inline(always)]
     pub(super) fn push(&self, block: &CellBlock, pressure: L, residual: &mut [Lane]) {
         let zero = L::splat(0.0);
-        let [fx, fy, fz] = [0, 1, 2].map(|k| minus(self.pull[k], times(self.growth[k], pressure)));
+        // Closures of `map` would not be compiled for wide registers.
+        let (pull, growth) = (&self.pull, &self.growth);
+        let fx = minus(pull[0], times(growth[0], pressure));
+        let fy = minus(pull[1], times(growth[1], pressure));
+        let fz = minus(pull[2], times(growth[2], pressure));
         for corner in 0..8 {
             let mut rows = [zero; 4];
             for axis in 0..3 {

@@ -208,28 +208,38 @@ fn largest<L: Lanes>([x, y, z]: [L; 3], [p, q, r]: [L; 3]) -> L {
     mean + (square * L::splat(4.0 / 6.0)).sqrt()
 }
 
-/// J⁻¹ J⁻ᵀ of four cells at their centres, 1/m²; zero of cells without volume there.
-pub(in crate::body) fn metric_at_centre(nodes: &[[u32; 4]; 8], places: &[Lane]) -> [Four; 6] {
-    let c = modes::<Baseline>(nodes, places);
-    let mut metrics = [[0.0; 4]; 6];
-    let columns = [c[4], c[2], c[1]].map(|column| {
-        column.map(|lanes| {
-            let mut four = [0.0; 4];
-            lanes.store(&mut four);
-            four
-        })
-    });
-    for cell in 0..4 {
-        let map = Matrix3::from_fn(|row, column| columns[column][row][cell]);
-        let inverse = map.try_inverse().unwrap_or_else(Matrix3::zeros);
-        for (row, value) in metrics
-            .iter_mut()
-            .zip(rows_of(&(inverse * inverse.transpose())))
-        {
-            row[cell] = value;
+/// The inverses of four symmetric matrices, xx yy zz xy xz yz; zero of those without one.
+pub(in crate::body) fn inverses([xx, yy, zz, xy, xz, yz]: &[Four; 6]) -> [Four; 6] {
+    let mut inverses = [[0.0; 4]; 6];
+    for k in 0..4 {
+        let (off, across) = ([xy[k], xz[k], yz[k]], [xx[k], yy[k], zz[k]]);
+        let [a, b, c] = off;
+        let matrix = Matrix3::new(across[0], a, b, a, across[1], c, b, c, across[2]);
+        let inverse = matrix.try_inverse().unwrap_or_else(Matrix3::zeros);
+        for (row, value) in inverses.iter_mut().zip(rows_of(&inverse)) {
+            row[k] = value;
         }
     }
-    metrics
+    inverses
+}
+
+/// JᵀJ of four cells at their centres, m²: xx yy zz xy xz yz.
+pub(in crate::body) fn squares_at_centre(nodes: &[[u32; 4]; 8], places: &[Lane]) -> [Four; 6] {
+    let c = modes::<Baseline>(nodes, places);
+    let [x, y, z] = [c[4], c[2], c[1]];
+    let dot = |a: Triple<Baseline>, b: Triple<Baseline>| {
+        let mut four = [0.0; 4];
+        (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]).store(&mut four);
+        four
+    };
+    [
+        dot(x, x),
+        dot(y, y),
+        dot(z, z),
+        dot(x, y),
+        dot(x, z),
+        dot(y, z),
+    ]
 }
 
 /// The square of the most that an area of each of four cells has grown by at its centre, as a factor, or a little more:

@@ -28,7 +28,7 @@ pub use barrier::VolumeBarrier;
 pub use elastic::Elastic;
 pub(in crate::body) use flow::CellFlow;
 use kernel::CellBlock;
-pub(in crate::body) use kernel::{areas_squared, metric_at_centre, stretched};
+pub(in crate::body) use kernel::{areas_squared, inverses, squares_at_centre, stretched};
 use palpate_geometry::math::lanes::{Baseline, Lanes};
 use palpate_geometry::math::{Lane, Point3, Vector3};
 use patch::Patch;
