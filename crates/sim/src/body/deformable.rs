@@ -287,10 +287,7 @@ impl Deformable {
             let d = (z - from) * share;
             *moved = [d.x, d.y, d.z, 0.0];
         }
-        lanes(&state.positions, &mut scratch.coordinates);
-        let motion = [&scratch.coordinates[..], &scratch.pull[..]];
-        let buffers = [&mut scratch.nodes[..], &mut scratch.node_residual[..]];
-        scratch.share = (self.guard).share(matter, motion, buffers, &mut scratch.strains);
+        scratch.share = self.guard.share(matter, &scratch.pull, &mut scratch.nodes);
     }
 
     /// By coordinate, how far contact forces took a step that arrived against those that it was predicted with, m.
@@ -751,7 +748,6 @@ impl Deformable {
     /// Buffers; call [`Deformable::predict`] before the first step.
     pub fn scratch(&self) -> DeformableScratch {
         let mut scratch = self.matter.scratch();
-        scratch.strains = self.guard.strains();
         if let Stepper::Implicit(implicit) = &self.stepper {
             scratch.implicit = implicit.scratch(&self.matter);
             if implicit.iterations() > 1 {

@@ -1,9 +1,9 @@
 //! How much a step strains a body, and a share of it that it can follow.
 //!
 //! The law is asked at x + s (z − x), s = 1 + d / dt (of springs, no farther than they can follow), and a step's matrix
-//! stands for where the body is: a motion that strains a cell there by more than [`MOST_STRAIN`] within one tick, of the
-//! lengths that it has then, is beyond it. A motion within turns no cell inside out. The deformation of the tick about
-//! its rigid motion, its pressures and its forces are then shortened by one share.
+//! stands for where the body is: a motion that strains a cell there by more than [`MOST_STRAIN`] within one tick is
+//! beyond it. The deformation of the tick about its rigid motion, its pressures and its forces are then shortened by
+//! one share.
 
 use super::elements::continuum::{inverses, squares_at_centre, stretched};
 use super::matter::{Matter, lanes_of};
@@ -12,10 +12,8 @@ use super::rigid_motion::Inertia;
 use palpate_geometry::math::lanes::{Baseline, Four, Lanes};
 use palpate_geometry::math::{Lane, Point3, Rotation, Vector3, rotation_by};
 
-/// Most that a cell strains in a step where the law is asked.
-const MOST_STRAIN: f64 = 0.6;
-/// Of a length at rest: what a cell counts as long at least, in the square with what it is.
-const LEAST_LENGTH: f64 = 0.5;
+/// Most that a cell strains in a step where the law is asked. With 0.5 a scrambled body of ν = 0.45 runs away.
+const MOST_STRAIN: f64 = 0.35;
 
 /// Cells side by side.
 #[derive(Debug)]
@@ -29,10 +27,8 @@ pub(super) struct Guard {
 struct Cells {
     /// (corner, cell).
     nodes: [[u32; 4]; 8],
-    /// (xx yy zz xy xz yz): J₀ᵀ J₀ at the centre times the square of [`LEAST_LENGTH`], m²; zero for missing cells.
-    least: [Four; 6],
-    /// The inverse: wherever the body is, no motion strains them by more than this says, 1/m².
-    most: [Four; 6],
+    /// (xx yy zz xy xz yz): (J₀ᵀ J₀)⁻¹ at the centre, 1/m²; zero for missing cells.
+    metric: [Four; 6],
 }
 
 impl Guard {
@@ -50,17 +46,15 @@ impl Guard {
                     of_corner[k] = node;
                 }
             }
-            let square = LEAST_LENGTH * LEAST_LENGTH;
-            let least = squares_at_centre(&nodes, &places).map(|row| row.map(|of| square * of));
-            let most = inverses(&least);
+            let metric = inverses(&squares_at_centre(&nodes, &places));
             for (k, cell) in four.iter().enumerate() {
                 // The gradient's columns are no longer than the longest displacement.
-                let steep = (3.0 * (most[0][k] + most[1][k] + most[2][k])).sqrt();
+                let steep = (3.0 * (metric[0][k] + metric[1][k] + metric[2][k])).sqrt();
                 for &node in cell {
                     guard.steepen(&matter.map, node as usize, steep);
                 }
             }
-            guard.cells.push(Cells { nodes, least, most });
+            guard.cells.push(Cells { nodes, metric });
         }
         guard
     }
@@ -78,22 +72,9 @@ impl Guard {
         }
     }
 
-    /// Room for [`Guard::share`].
-    pub fn strains(&self) -> Vec<Four> {
-        vec![[0.0; 4]; self.cells.len()]
-    }
-
     /// The share of a motion that strains nothing by too much: 1, or less. `moved` (coordinates) is the motion without
-    /// its rigid part where the law is asked, m, and `from` where the body was; the others are buffers.
-    pub fn share(
-        &self,
-        matter: &Matter,
-        [from, moved]: [&[Lane]; 2],
-        [nodes, more_nodes]: [&mut [Lane]; 2],
-        strains: &mut [Four],
-    ) -> f64 {
-        // What is not a number is too much.
-        let larger = |most: f64, square: f64| if square <= most { most } else { square };
+    /// its rigid part where the law is asked, m; `nodes` is a buffer.
+    pub fn share(&self, matter: &Matter, moved: &[Lane], nodes: &mut [Lane]) -> f64 {
         let squares = moved.iter().zip(&self.steepest).map(|(lane, steep)| {
             let [x, y, z, _] = lane;
             (x * x + y * y + z * z) * (steep * steep)
@@ -102,55 +83,47 @@ impl Guard {
         if squares.fold(0.0, larger) <= allowed {
             return 1.0;
         }
-        let moved = matter.nodes_of(moved, nodes);
-        self.bound(moved, strains);
-        if strains.as_flattened().iter().copied().fold(0.0, larger) <= allowed {
-            return 1.0;
-        }
-        let from = matter.nodes_of(from, more_nodes);
-        let mut most = 0.0;
-        for (cells, bound) in self.cells.iter().zip(strains) {
-            if bound.iter().copied().fold(0.0, larger) <= allowed {
-                continue;
-            }
-            let mut sum = squares_at_centre(&cells.nodes, from);
-            let least = cells.least.as_flattened().iter();
-            (sum.as_flattened_mut().iter_mut().zip(least)).for_each(|(sum, least)| *sum += least);
-            let mut of_cells = [0.0; 4];
-            stretched::<Baseline>(&cells.nodes, &inverses(&sum), moved).store(&mut of_cells);
-            most = of_cells.into_iter().fold(most, larger);
-        }
-        match most <= allowed {
+        let square = self.strain_squared(matter.nodes_of(moved, nodes));
+        match square <= allowed {
             true => 1.0,
-            false if most.is_finite() => MOST_STRAIN / most.sqrt(),
+            false if square.is_finite() => MOST_STRAIN / square.sqrt(),
             false => 0.0,
         }
     }
 
-    /// No less than the squares of the strains of displacements of the nodes.
-    fn bound(&self, moved: &[Lane], strains: &mut [Four]) {
+    /// The square of the largest strain of displacements of the nodes, or a little more.
+    fn strain_squared(&self, moved: &[Lane]) -> f64 {
         #[cfg(target_arch = "x86_64")]
         if palpate_geometry::math::simd::has_avx2() {
             // SAFETY: the processor has AVX2, asked just above.
             #[allow(unsafe_code)]
-            return unsafe { bound_wide(self, moved, strains) };
+            return unsafe { strain_squared_wide(self, moved) };
         }
-        self.bound_in::<Baseline>(moved, strains);
+        self.strain_squared_in::<Baseline>(moved)
     }
 
     #[inline(always)]
-    fn bound_in<L: Lanes>(&self, moved: &[Lane], strains: &mut [Four]) {
-        for (cells, strains) in self.cells.iter().zip(strains) {
-            stretched::<L>(&cells.nodes, &cells.most, moved).store(strains);
+    fn strain_squared_in<L: Lanes>(&self, moved: &[Lane]) -> f64 {
+        let mut most = 0.0;
+        for cells in &self.cells {
+            let mut squares = [0.0; 4];
+            stretched::<L>(&cells.nodes, &cells.metric, moved).store(&mut squares);
+            most = squares.into_iter().fold(most, larger);
         }
+        most
     }
+}
+
+/// The larger of two; what is not a number is larger than any.
+fn larger(most: f64, square: f64) -> f64 {
+    if square <= most { most } else { square }
 }
 
 /// The same code with 256-bit registers; no fused multiply-add, so the bits are the same.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn bound_wide(guard: &Guard, moved: &[Lane], strains: &mut [Four]) {
-    guard.bound_in::<palpate_geometry::math::lanes::Wide>(moved, strains);
+fn strain_squared_wide(guard: &Guard, moved: &[Lane]) -> f64 {
+    guard.strain_squared_in::<palpate_geometry::math::lanes::Wide>(moved)
 }
 
 /// The rigid part of a body's motion in a step.

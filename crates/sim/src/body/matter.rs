@@ -245,7 +245,6 @@ impl Matter {
             arrived: false,
             share: 1.0,
             rigid: None,
-            strains: Vec::new(),
             shortened: false,
             follows: Follows::On,
             turning: None,

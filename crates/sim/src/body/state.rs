@@ -9,7 +9,6 @@ use super::follow::{Following, Follows};
 use super::guard::RigidStep;
 use super::rigid_velocity::RigidVelocity;
 use crate::in_place::clone_in_place;
-use palpate_geometry::math::lanes::Four;
 use palpate_geometry::math::{Lane, Point3, Rows, Vector3};
 use palpate_geometry::stateful;
 
@@ -145,8 +144,6 @@ pub struct DeformableScratch {
     /// The share of its motion then that the body can follow, and the rigid part of that motion, if it is free.
     pub(super) share: f64,
     pub(super) rigid: Option<RigidStep>,
-    /// (fours of cells): squares of strains.
-    pub(super) strains: Vec<Four>,
     /// The step was shortened.
     pub(super) shortened: bool,
     /// What the last step found of its matrix.

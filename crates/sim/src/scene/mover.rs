@@ -92,7 +92,7 @@ pub(super) fn build(
         (Some(_), None) => "motion",
         (None, Some(_)) => "carried_by",
     };
-    if spec.model.model().deforms() {
+    if spec.model().model().deforms() {
         return at.key(key).refused(format!(
             "only rigid bodies are moved so; let {:?} lie on a rigid body that moves, or use model = \"rigid\"",
             spec.id

@@ -2,6 +2,7 @@
 
 use super::common::World;
 use palpate_geometry::basis::KnotVector;
+use palpate_sim::tick::flags;
 
 /// A ball of jelly 2 mm above a plane, as fast as after a fall of 0.1 m.
 const BALL: &str = r#"
@@ -42,9 +43,13 @@ fn a_falling_ball_is_met_where_it_comes_to_touch() {
     let mut surface = world.scene.rest_surface(0).clone();
     let grids = [3, 9]
         .map(|parts| [surface.knots_u(), surface.knots_v()].map(|knots| middles(knots, parts)));
-    let mut deepest_m = [0.0_f64; 2];
+    let (mut deepest_m, mut shortened) = ([0.0_f64; 2], 0);
     for _ in 0..45 {
-        world.at([0.0; 3]);
+        // A motion that strains cells by more than a step can follow is shortened; the tool says so.
+        if world.at([0.0; 3]).tools[0].flags & flags::DEGRADED != 0 {
+            shortened += 1;
+            continue;
+        }
         (world.state).copy_net(&world.scene, 0, surface.net_mut().points_mut());
         for (deepest_m, [us, vs]) in deepest_m.iter_mut().zip(&grids) {
             for u in us {
@@ -57,5 +62,6 @@ fn a_falling_ball_is_met_where_it_comes_to_touch() {
     // Samples are met where the tick ends; between them the ball is as round as it is.
     let [at_samples_m, between_m] = deepest_m;
     assert!(at_samples_m < 1e-6, "{at_samples_m} m at a sample");
+    assert!(shortened <= 3, "{shortened} ticks are shortened");
     assert!(between_m < 0.5e-3, "{between_m} m between samples");
 }

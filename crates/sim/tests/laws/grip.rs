@@ -19,7 +19,7 @@ fn soft(grip_n: f64) -> String {
 }
 
 fn rigid(grip_n: f64) -> String {
-    soft(grip_n).replace("model = \"lattice\"\n", "")
+    soft(grip_n).replace("\"lattice\"", "\"rigid\"")
 }
 
 fn at(x: f64) -> [f64; 3] {

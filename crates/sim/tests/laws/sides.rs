@@ -364,11 +364,11 @@ fn a_free_ball_crushed_on_an_open_sheet_stays_there() {
                     (0..256).map(|n| now.point((n / 16) as f64 / 16.0, (n % 16) as f64 / 16.0));
                 for place in places {
                     // Crushed to a third, 7 mm, it folds, and folds bulge between the rows by a millimetre; a ball
-                    // that is passed is below by its height. Nothing holds it sideways, but it stays on the sheet.
+                    // that is passed is below by its height. Nothing holds it sideways, and the sheet ends at 0.1 m.
                     let out = place.z.min(z - place.z);
                     let aside = place.x.hypot(place.y);
                     assert!(
-                        out > -2e-3 && aside < 0.04,
+                        out > -2e-3 && aside < 0.08,
                         "{layers} layers at {speed} m/s, tick {k}, plate at {z}: {place}"
                     );
                 }

@@ -144,8 +144,11 @@ fn add_forces<L: Lanes>(blocks: &[Block], places: &[Lane], residual: &mut [Lane]
             .greatest(L::splat(0.0))
             .least(L::splat(1e90));
         let pressure = L::load(&block.stiffness_pa) * lost;
-        let [x, y, z] = growth;
-        let force = [times(x, pressure), times(y, pressure), times(z, pressure)];
+        // A closure of `map` would not be compiled for wide registers.
+        let mut force = growth;
+        for force in &mut force {
+            *force = times(*force, pressure);
+        }
         kernel::scatter(&block.nodes, force, residual);
     }
 }
