@@ -77,7 +77,7 @@ crate::layout::messages! {
         /// No force: the tool was seated inside a body, and its contact force was not small once since then.
         WITHHELD = 8,
         /// The force is less accurate than the scene asks for: the step of a body that the tool presses fell back
-        /// to another matrix or held cells back, or quality is lowered.
+        /// to another matrix or was shortened, or quality is lowered.
         DEGRADED = 9,
     }
 

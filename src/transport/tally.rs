@@ -398,7 +398,7 @@ impl LoopTally {
 fn degraded_reason(quality: u8) -> &'static str {
     match quality {
         0 => {
-            "the step of a body fell back to another matrix or held cells back; `palpate explain` says which"
+            "the step of a body fell back to another matrix or was shortened; `palpate explain` says which"
         }
         _ => "quality is lowered: the machine does not keep up",
     }

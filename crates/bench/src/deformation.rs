@@ -65,7 +65,7 @@ pub fn deformation(effort: Effort, cases: Cases<'_>, out: &mut dyn FnMut(Row)) -
             out(indent::refit_row(case, net, effort));
         }
     }
-    for model in ["lattice", "net"] {
+    for model in ["lattice", "continuum", "net"] {
         let case = format!("tick/teardrop/{model}");
         if wanted(&case) {
             out(indent::tick_row(&case, model, effort));

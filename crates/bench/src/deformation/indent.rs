@@ -221,7 +221,7 @@ pub(super) fn refit_row(case: &str, net: Option<[usize; 2]>, effort: Effort) -> 
 pub(super) fn tick_row(case: &str, model: &'static str, effort: Effort) -> Row {
     let shape = match model {
         "net" => TeardropCase::new(case, "net", "[12, 13]", 2),
-        _ => TeardropCase::new(case, "lattice", "[20, 21]", 4),
+        _ => TeardropCase::new(case, model, "[20, 21]", 4),
     };
     let mut world = match World::new(&shape.text(1_000)) {
         Ok(world) => world,

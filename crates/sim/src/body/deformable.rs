@@ -13,7 +13,7 @@ use super::core::SurfaceBlocks;
 use super::field::Field;
 use super::follow::{Following, Follows, Made};
 use super::frame::{Frame, IDENTITY, from_rest, into_rest};
-use super::guard::{Guard, RigidStep};
+use super::guard::{Guard, Limit, RigidStep};
 use super::implicit::ImplicitStep;
 use super::material::Plastic;
 use super::matter::{Blueprint, FIXED, Matter, lanes};
@@ -197,6 +197,14 @@ impl Deformable {
             scratch.reached[c as usize] += *moved;
             scratch.predicted[c as usize] += *moved;
         }
+        if first {
+            let [by_itself, _] = implicit.limits(&self.matter);
+            let share = self.share_within(state, scratch, by_itself);
+            if share < 1.0 {
+                self.go_back(state, scratch, share);
+                scratch.predicted.copy_from_slice(&scratch.reached);
+            }
+        }
     }
 
     /// One more iteration of an implicit step, from where the contact forces of the scratch, which
@@ -276,18 +284,28 @@ impl Deformable {
         }
         self.take_contact(implicit, scratch);
         scratch.arrived = true;
+        let [_, with_contact] = implicit.limits(&self.matter);
+        scratch.share = self.share_within(state, scratch, with_contact);
+    }
+
+    /// The share of the motion of the step so far that strains no cell by more than a limit.
+    fn share_within(
+        &self,
+        state: &DeformableState,
+        scratch: &mut DeformableScratch,
+        limit: Limit,
+    ) -> f64 {
         let matter = &self.matter;
         let inertia = scratch.implicit.inertia.as_ref();
         scratch.rigid = inertia
             .and_then(|inertia| RigidStep::of(matter, inertia, &state.positions, &scratch.reached));
-        let share = implicit.ahead(matter);
         let places = state.positions.iter().zip(&scratch.reached);
         for ((x, z), moved) in places.zip(scratch.pull.iter_mut()) {
             let from = scratch.rigid.map_or(*x, |rigid| rigid.at(x));
-            let d = (z - from) * share;
+            let d = (z - from) * limit.times;
             *moved = [d.x, d.y, d.z, 0.0];
         }
-        scratch.share = self.guard.share(matter, &scratch.pull, &mut scratch.nodes);
+        (self.guard).share(matter, &scratch.pull, &mut scratch.nodes, limit.most)
     }
 
     /// By coordinate, how far contact forces took a step that arrived against those that it was predicted with, m.
@@ -319,6 +337,18 @@ impl Deformable {
         if !scratch.arrived {
             return;
         }
+        self.go_back(state, scratch, share);
+        for (_, force) in &mut scratch.carried {
+            *force = match share > 0.0 {
+                true => *force * share,
+                false => Vector3::zeros(),
+            };
+        }
+        scratch.share = 1.0;
+    }
+
+    /// Leaves a share of the deformation of the step about its rigid motion, and of its pressures.
+    fn go_back(&self, state: &DeformableState, scratch: &mut DeformableScratch, share: f64) {
         for (x, z) in state.positions.iter().zip(&mut scratch.reached) {
             let from = scratch.rigid.map_or(*x, |rigid| rigid.at(x));
             // Of no share, what is not a number stays out.
@@ -335,13 +365,6 @@ impl Deformable {
                 false => *from,
             };
         }
-        for (_, force) in &mut scratch.carried {
-            *force = match share > 0.0 {
-                true => *force * share,
-                false => Vector3::zeros(),
-            };
-        }
-        scratch.share = 1.0;
         scratch.shortened = true;
     }
 

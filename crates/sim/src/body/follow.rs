@@ -1,7 +1,7 @@
 //! A matrix of the step that follows the body.
 //!
 //! One iteration from the inertial prediction is stable while no area of a cell has grown by a third since its matrix
-//! was made. Where one has by [`MOST_GROWN`], the matrix is made anew where the body is now, elsewhere, and taken over
+//! was made, nor its stiffness by plastic flow. Where one has by [`MOST_GROWN`], the matrix is made anew where the body is now, elsewhere, and taken over
 //! [`DUE`] steps later, whenever it was done: a replay makes the same one from the same places.
 
 use super::core::Core;
@@ -10,7 +10,7 @@ use super::matter::{Matter, lanes, lanes_of};
 use super::state::DeformableState;
 use crate::in_place::clone_in_place;
 use palpate_geometry::math::lanes::{Baseline, Four, Lanes};
-use palpate_geometry::math::{Lane, Point3};
+use palpate_geometry::math::{Lane, Matrix3, Point3};
 use palpate_geometry::stateful;
 use std::ops::Range;
 use std::sync::Arc;
@@ -150,14 +150,19 @@ pub(super) struct Cells {
     nodes: Vec<[[u32; 4]; 8]>,
     /// J⁻¹ J⁻ᵀ at the centres, 1/m².
     metrics: Vec<[Four; 6]>,
+    /// Of what flows: inverses of its metrics, m².
+    flowed: Vec<[Four; 6]>,
     /// (rounds): nodes of the cells that are looked at in it.
     rounds: [Vec<u32>; ROUND],
 }
 
 impl Cells {
-    /// At `places` (nodes).
-    pub fn at(matter: &Matter, places: &[Lane]) -> Self {
-        let mut all = Self::default();
+    /// At `places` (nodes), with `metrics` of what flows.
+    pub fn at(matter: &Matter, places: &[Lane], metrics: &[Lane]) -> Self {
+        let mut all = Self {
+            flowed: metrics.as_chunks().0.iter().map(inverses).collect(),
+            ..Self::default()
+        };
         for four in matter.cells.chunks(4) {
             let mut nodes = four[0].map(|node| [node; 4]);
             for (k, cell) in four.iter().enumerate() {
@@ -199,6 +204,26 @@ impl Cells {
     }
 }
 
+/// The most that a stiffness has grown by since, as a factor, or a little more: of every [`ROUND`]-th of `metrics` from
+/// `first` on, the largest eigenvalue of S S₀⁻¹.
+fn stiffened(made: &Cells, metrics: &[Lane], first: usize) -> f64 {
+    let mut most = 0.0_f64;
+    let points = metrics.as_chunks().0.iter().zip(&made.flowed);
+    for (now, inverse) in points.skip(first).step_by(ROUND) {
+        for k in 0..4 {
+            let of = |[xx, yy, zz, xy, xz, yz]: [f64; 6]| {
+                Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
+            };
+            let grown = of(now.map(|row: Four| row[k])) * of(inverse.map(|row| row[k]));
+            // Its eigenvalues are real: at most m + 2 p, m their mean and 6 p² the sum of the squares of what is left.
+            let mean = grown.trace() / 3.0;
+            let squares = (grown * grown).trace() - 3.0 * mean * mean;
+            most = most.max(mean + (squares.max(0.0) * 2.0 / 3.0).sqrt());
+        }
+    }
+    most
+}
+
 /// What a step found of its matrix.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Follows {
@@ -229,13 +254,17 @@ pub(super) fn look(
     lanes(&state.positions, coordinates);
     if state.following.now.is_set && round == 0 {
         let places = matter.nodes_of(coordinates, nodes);
-        if rest.cells.grown(places, 0..rest.cells.nodes.len()) <= BACK_AT_REST {
+        let metrics = &state.rest_lengths;
+        let stiffened =
+            (0..ROUND).any(|first| stiffened(&rest.cells, metrics, first) > BACK_AT_REST);
+        if !stiffened && rest.cells.grown(places, 0..rest.cells.nodes.len()) <= BACK_AT_REST {
             state.following.now.is_set = false;
             return Follows::AtRest;
         }
     }
     let places = matter.some_nodes_of(&now.cells.rounds[round], coordinates, nodes);
-    if now.cells.grown(places, now.cells.round(round)) <= MOST_GROWN {
+    let grown = now.cells.grown(places, now.cells.round(round));
+    if grown.max(stiffened(&now.cells, &state.rest_lengths, round)) <= MOST_GROWN {
         return Follows::On;
     }
     let places = matter.nodes_of(coordinates, nodes);

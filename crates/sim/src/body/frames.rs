@@ -2,8 +2,8 @@
 //! of rest along (stiffness warping, Müller et al. 2002).
 //!
 //! The deformation gradient is fitted to the edges to a few neighbours; the rotation is its polar
-//! part by Newton's method (Higham 1986). Only the preconditioner of the step uses it, so it need
-//! not be exact, but it must be a rotation or close to one whatever the positions are.
+//! part by Newton's method (Higham 1986), made orthonormal. Only the matrix of the step uses it, so it need
+//! not be the nearest rotation, but it must be one whatever the positions are.
 
 use super::frame::{Frame, IDENTITY};
 use super::matter::Matter;
@@ -401,7 +401,13 @@ fn dot<L: Lanes>(a: [L; 3], b: [L; 3]) -> L {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// The rotations nearest to four matrices given by rows, and in which of them Newton's method has
+#[inline(always)]
+fn unit<L: Lanes>(v: [L; 3]) -> [L; 3] {
+    let scale = L::splat(1.0) / dot(v, v).sqrt();
+    [v[0] * scale, v[1] * scale, v[2] * scale]
+}
+
+/// Rotations near those nearest to four matrices given by rows, and in which of them Newton's method has
 /// found it.
 #[inline(always)]
 fn rotations<L: Lanes>(gradient: &[[L; 3]; 3]) -> ([[L; 3]; 3], u8) {
@@ -419,7 +425,16 @@ fn rotations<L: Lanes>(gradient: &[[L; 3]; 3]) -> ([[L; 3]; 3], u8) {
             }
         }
     }
-    (x, good)
+    // Where it is drawn or squeezed far, what three steps leave still stretches; the step's matrix would too.
+    let first = unit(x[0]);
+    let along = dot(x[1], first);
+    let across = [
+        x[1][0] - along * first[0],
+        x[1][1] - along * first[1],
+        x[1][2] - along * first[2],
+    ];
+    let second = unit(across);
+    ([first, second, cross(first, second)], good)
 }
 
 /// The first two columns made orthonormal (Gram & Schmidt); rest's own frame where they are

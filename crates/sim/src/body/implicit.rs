@@ -26,6 +26,7 @@ use super::elements::Weight;
 use super::follow::{self, Follows, Made, Shape};
 use super::frame::{Frame, IDENTITY, from_rest, into_rest};
 use super::frames::Frames;
+use super::guard::Limit;
 use super::look_ahead::LookAhead;
 use super::matter::{FIXED, Matter, lanes};
 use super::neighbours::{middle, shortest_edges};
@@ -94,9 +95,6 @@ struct Springs {
 
 /// How taut springs of a sheet are, 1 − rest length / length, up to which each of its factors follows.
 const TAUT: [f64; 4] = [0.002, 0.01, 0.06, 0.3];
-
-/// How often a correction that makes the residual grow is halved at most.
-const MOST_HALVINGS: usize = 3;
 
 /// A correction that turns over this often in a row without becoming smaller grows; a large one
 /// need only do so twice.
@@ -215,11 +213,15 @@ impl ImplicitStep {
         caution
     }
 
-    /// How far ahead of a motion the law is asked at most, as a factor; springs see to it themselves.
-    pub(super) fn ahead(&self, matter: &Matter) -> f64 {
+    /// What the guard sees of a motion of the body by itself, and with its contacts.
+    pub(super) fn limits(&self, matter: &Matter) -> [Limit; 2] {
         match self.kind {
-            Kind::Continuum => 1.0 + matter.damping_s / matter.settings.dt_s,
-            Kind::Lattice | Kind::Sheet => 1.0,
+            Kind::Continuum => {
+                let ahead = 1.0 + matter.damping_s / matter.settings.dt_s;
+                [Limit::of_continuum(ahead), Limit::WITH_CONTACT]
+            }
+            // They see themselves to how far ahead they are asked.
+            Kind::Lattice | Kind::Sheet => [Limit::OF_SPRINGS; 2],
         }
     }
 
@@ -366,13 +368,11 @@ impl ImplicitStep {
         let last_j = scratch.implicit.merit_j;
         self.correct_by_core(matter, scratch, first);
         if self.iterations > 1 {
-            let mut halvings = 0;
-            while !first && scratch.implicit.merit_j > last_j && halvings < MOST_HALVINGS {
+            if !first && scratch.implicit.merit_j > last_j {
                 // Half of the last correction, and another look from there.
                 Before::go_half_back(scratch);
                 self.weigh(matter, state, scratch);
                 self.correct_by_core(matter, scratch, first);
-                halvings += 1;
             }
             Before::keep(scratch);
         }

@@ -24,7 +24,7 @@ fn length_m(world: &World) -> f64 {
 
 #[test]
 fn a_gel_that_is_spun_apart_is_a_fault_and_comes_back_to_rest() {
-    let mut world = World::new(&spun(1_000.0));
+    let mut world = World::new(&spun(600.0));
     let rest_m = length_m(&world);
     let mut fault = None;
     for _ in 0..400 {

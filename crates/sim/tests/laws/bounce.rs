@@ -59,9 +59,10 @@ fn a_falling_ball_is_met_where_it_comes_to_touch() {
             }
         }
     }
-    // Samples are met where the tick ends; between them the ball is as round as it is.
+    // Samples are met where the tick ends, but for those that contact beside them pushes down within it; between them
+    // the ball is as round as it is.
     let [at_samples_m, between_m] = deepest_m;
-    assert!(at_samples_m < 1e-6, "{at_samples_m} m at a sample");
+    assert!(at_samples_m < 5e-5, "{at_samples_m} m at a sample");
     assert!(shortened <= 3, "{shortened} ticks are shortened");
     assert!(between_m < 0.5e-3, "{between_m} m between samples");
 }

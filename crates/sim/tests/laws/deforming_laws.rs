@@ -220,9 +220,8 @@ fn iterations_bring_a_moving_contact_nearer_to_its_end() {
                 .fold(0.0, f64::max)
                 / most;
             println!("{friction} {iterations} iterations: {worst} of the largest force");
-            if worst > 0.8*last { println!("WORSE"); }
             assert!(
-                worst < 8. * last,
+                worst < 0.8 * last,
                 "{iterations} iterations are off by {worst}, fewer by {last}"
             );
             last = worst;

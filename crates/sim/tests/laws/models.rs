@@ -221,7 +221,6 @@ fn nodes_and_coordinates_agree_on_work() {
         .iter()
         .map(|f| Vector3::new(f[0], f[1], f[2]))
         .collect();
-    // A cell that is held back has no energy to compare with.
     let step: Vec<Vector3> = (0..forces.len())
         .map(|k| Vector3::new(libm::cos(k as f64), 0.3, libm::sin(2.0 * k as f64)) * 1e-8)
         .collect();

@@ -544,6 +544,7 @@ fn one_iteration_of_a_press_at_50_mm_s_feels_as_forty() {
 #[test]
 fn a_teardrop_that_was_hit_goes_on_with_the_tangent() {
     let text = std::fs::read_to_string("../../scenes/teardrop.toml").unwrap();
+    let text = text.replace("continuum", "lattice");
     let mut world = World::new(&text);
     let mut bounding = 0;
     for k in 0..3000 {

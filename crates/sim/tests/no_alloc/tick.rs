@@ -34,7 +34,7 @@ fn touch(world: &mut World) -> u64 {
 #[test]
 fn a_tick_on_a_rigid_body_allocates_nothing() {
     let text = teardrop(20e3, "\"none\"")
-        .replace("model = \"lattice\"\n", "")
+        .replace("lattice\"\n", "rigid\"\n")
         .replace("stiffness_n_m = inf", "stiffness_n_m = 800.0");
     assert_eq!(touch(&mut World::new(&text)), 0);
 }
@@ -91,7 +91,7 @@ fn a_reset_allocates_nothing() {
         "damping_s = 20e-3, plastic = { yield_strain = 0.01, rate_per_s = 20.0, hardening = 0.1, spread_m = 0.03 } }",
     );
     assert_ne!(plastic, soft);
-    for text in [soft.replace("model = \"lattice\"\n", ""), soft, plastic] {
+    for text in [soft.replace("lattice\"\n", "rigid\"\n"), soft, plastic] {
         let mut world = World::new(&text);
         for x in [0.06, 0.052, 0.044, 0.036] {
             world.at_in_place([x, 0.003, 0.045]);
@@ -124,7 +124,7 @@ fn a_tick_with_friction_and_a_grip_allocates_nothing() {
     let soft = format!(
         "{soft}friction = {{ mu = 0.4, mu_kinetic = 0.3 }}\ngrip = {{ force_max_n = 0.3 }}\n"
     );
-    for text in [soft.replace("model = \"lattice\"\n", ""), soft] {
+    for text in [soft.replace("lattice\"\n", "rigid\"\n"), soft] {
         let mut world = World::new(&text);
         for x in [0.06, 0.052, 0.044, 0.036] {
             world.at_in_place([x, 0.003, 0.045]);
@@ -165,7 +165,7 @@ fn a_tick_of_a_tool_that_turns_allocates_nothing() {
         .replace("ramp_s = 0.0", "ramp_s = 0.0, passivity = true");
     for friction in ["", "friction = { mu = 0.4, viscous_n_s_m = 0.3 }\n"] {
         let soft = format!("{soft}{friction}");
-        for text in [soft.replace("model = \"lattice\"\n", ""), soft] {
+        for text in [soft.replace("lattice\"\n", "rigid\"\n"), soft] {
             let mut world = World::new(&text);
             for x in [0.06, 0.052, 0.044, 0.036] {
                 world.at_in_place([x, 0.003, 0.045]);
@@ -224,7 +224,7 @@ fn a_tick_of_a_plane_allocates_nothing() {
     };
     for text in [
         teardrop(20e3, "[16, 17]"),
-        teardrop(20e3, "\"none\"").replace("model = \"lattice\"\n", ""),
+        teardrop(20e3, "\"none\"").replace("lattice\"\n", "rigid\"\n"),
     ] {
         let mut world = World::new(&plane(text));
         for _ in 0..5 {
@@ -296,7 +296,7 @@ fn a_tick_of_any_shape_allocates_nothing() {
     for shape in shapes {
         let soft =
             teardrop(20e3, "\"none\"").replace("stiffness_n_m = inf", "stiffness_n_m = 800.0");
-        for text in [soft.replace("model = \"lattice\"\n", ""), soft] {
+        for text in [soft.replace("lattice\"\n", "rigid\"\n"), soft] {
             let mut world = World::new(&text.replace("{ sphere = { radius_m = 0.01 } }", shape));
             for _ in 0..5 {
                 world.at_in_place([0.06, 0.003, 0.045]);

@@ -153,7 +153,10 @@ impl MaterialLaw {
     ) {
         let margin = (0.76 * self.slope).max(1.0);
         self.springs.tangent_at(at, margin, out);
-        for law in self.laws() {
+        if let Some(continuum) = &self.continuum {
+            continuum.tangent_at(at, out);
+        }
+        for law in &self.others {
             law.tangent_at(at, out);
         }
     }

@@ -64,6 +64,7 @@ pub(super) fn tangents(
     most: usize,
 ) -> Option<(Vec<Core>, Vec<(u32, u32, f64)>)> {
     let nodes = lanes_of(&matter.map.nodes(&matter.rest));
+    let metrics = (matter.flow.as_ref()).map_or(&[][..], |flow| flow.rest(&matter.law));
     let rest = Place {
         places: &nodes,
         metrics: &[],
@@ -87,7 +88,7 @@ pub(super) fn tangents(
     let mut cores = Vec::new();
     for matrix in &matrices {
         let most = if cores.is_empty() { most } else { usize::MAX };
-        cores.push(core(matter, matrix, &nodes, most)?);
+        cores.push(core(matter, matrix, (&nodes, metrics), most)?);
     }
     Some((cores, short))
 }
@@ -100,20 +101,26 @@ pub(super) fn core_of(matter: &Matter, frames: &Frames, shape: &Shape) -> Option
         metrics: &shape.metrics,
         pressures: &shape.pressures,
     };
-    let mut made = core(matter, &tangent::at(matter, &place), &nodes, usize::MAX)?;
+    let at = (&nodes[..], &shape.metrics[..]);
+    let mut made = core(matter, &tangent::at(matter, &place), at, usize::MAX)?;
     made.made_in = vec![IDENTITY; matter.unknown_count()];
     frames.fit(&lanes_of(&shape.positions), &mut made.made_in);
     Some(made)
 }
 
-/// The core of a matrix that was made at `places` (nodes).
-fn core(matter: &Matter, matrix: &BlockTriplets, nodes: &[Lane], most: usize) -> Option<Core> {
+/// The core of a matrix that was made at places of the nodes, with the metrics of what flows.
+fn core(
+    matter: &Matter,
+    matrix: &BlockTriplets,
+    (nodes, metrics): (&[Lane], &[Lane]),
+    most: usize,
+) -> Option<Core> {
     let factor = BlockCholesky::placed(matrix, &places(matter), most).ok()??;
     let factor = Factor::Blocks(factor);
     let mut work = Factor::work(std::iter::once(&factor), matter.unknown_count());
     let surface = SurfaceBlocks::new(matter, |rows| factor.solve(rows, &mut work));
     let growth = (matter.law.continuum.as_ref()).map(|law| law.growth_at(nodes));
-    let cells = (matter.law.continuum.as_ref()).map(|_| Cells::at(matter, nodes));
+    let cells = (matter.law.continuum.as_ref()).map(|_| Cells::at(matter, nodes, metrics));
     Some(Core {
         factor,
         growth: growth.unwrap_or_default(),
