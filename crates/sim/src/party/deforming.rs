@@ -298,8 +298,8 @@ impl Party for Of<'_, &DeformingBody> {
             // Of two bodies each has moved the row.
             let alone = row.tool().is_some();
             let off = (moved - row.forced - found).norm();
-            // Forces that come and go within a tick leave their rounding.
-            let least = 1e-9 * self.body.size_m;
+            // Forces that cancel leave their rounding.
+            let least = 1e-8 * self.body.size_m;
             // A solve in single precision, by the condition of nearly incompressible bodies.
             let most = 1e-3 * (size + moved.norm() + row.forced.norm()) + least;
             debug_assert!(

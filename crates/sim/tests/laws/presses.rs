@@ -91,7 +91,7 @@ fn a_fast_press_is_right_after_one_iteration_whatever_the_compressibility() {
             let mut world = World::new(&scene(model, poisson, 2e-3, iterations, HELD));
             pressed(&mut world, 0.2, depth_m)
         };
-        for depth_m in [4e-3, 1e-2] {
+        for (depth_m, most_end) in [(4e-3, 0.015), (1e-2, 0.02)] {
             let exact = forces(12, depth_m);
             for iterations in [1, 2] {
                 let given = forces(iterations, depth_m);
@@ -104,7 +104,7 @@ fn a_fast_press_is_right_after_one_iteration_whatever_the_compressibility() {
                     peak(&given)
                 );
                 assert!(
-                    off < 0.02 && end.abs() < 0.015,
+                    off < 0.02 && end.abs() < most_end,
                     "{model} {poisson} {iterations}: {off} {end}"
                 );
             }
@@ -203,7 +203,8 @@ fn what_was_poked_at_random_comes_back_to_rest() {
 // A gel ball on a floor under a ball of 0.2 m.
 #[test]
 fn a_gel_ball_that_is_squeezed_and_held_is_still() {
-    for (poisson, depth_m) in [(0.3, 0.024), (0.49, 0.024), (0.499, 0.024)] {
+    let each = [0.3, 0.49, 0.499].map(|poisson| [(poisson, 0.024), (poisson, 0.04)]);
+    for (poisson, depth_m) in each.into_iter().flatten() {
         let mut world = World::new(&format!(
             r#"
 [[body]]
