@@ -13,7 +13,7 @@ use super::core::SurfaceBlocks;
 use super::field::Field;
 use super::follow::{Following, Follows, Made};
 use super::frame::{Frame, IDENTITY, from_rest, into_rest};
-use super::guard::{Guard, Limit, RigidStep};
+use super::guard::{Guard, RigidStep};
 use super::implicit::ImplicitStep;
 use super::material::Plastic;
 use super::matter::{Blueprint, FIXED, Matter, lanes};
@@ -198,8 +198,7 @@ impl Deformable {
             scratch.predicted[c as usize] += *moved;
         }
         if first {
-            let [by_itself, _] = implicit.limits(&self.matter);
-            let share = self.share_within(state, scratch, by_itself);
+            let share = self.share_within_reach(implicit, state, scratch);
             if share < 1.0 {
                 self.go_back(state, scratch, share);
                 scratch.predicted.copy_from_slice(&scratch.reached);
@@ -284,28 +283,28 @@ impl Deformable {
         }
         self.take_contact(implicit, scratch);
         scratch.arrived = true;
-        let [_, with_contact] = implicit.limits(&self.matter);
-        scratch.share = self.share_within(state, scratch, with_contact);
+        scratch.share = self.share_within_reach(implicit, state, scratch);
     }
 
-    /// The share of the motion of the step so far that strains no cell by more than a limit.
-    fn share_within(
+    /// The share of the motion of the step so far that strains no cell by too much.
+    fn share_within_reach(
         &self,
+        implicit: &ImplicitStep,
         state: &DeformableState,
         scratch: &mut DeformableScratch,
-        limit: Limit,
     ) -> f64 {
         let matter = &self.matter;
         let inertia = scratch.implicit.inertia.as_ref();
         scratch.rigid = inertia
             .and_then(|inertia| RigidStep::of(matter, inertia, &state.positions, &scratch.reached));
+        let ahead = implicit.ahead(matter);
         let places = state.positions.iter().zip(&scratch.reached);
         for ((x, z), moved) in places.zip(scratch.pull.iter_mut()) {
             let from = scratch.rigid.map_or(*x, |rigid| rigid.at(x));
-            let d = (z - from) * limit.times;
+            let d = (z - from) * ahead;
             *moved = [d.x, d.y, d.z, 0.0];
         }
-        (self.guard).share(matter, &scratch.pull, &mut scratch.nodes, limit.most)
+        (self.guard).share(matter, &scratch.pull, &mut scratch.nodes)
     }
 
     /// By coordinate, how far contact forces took a step that arrived against those that it was predicted with, m.
