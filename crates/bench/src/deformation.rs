@@ -65,6 +65,9 @@ pub fn deformation(effort: Effort, cases: Cases<'_>, out: &mut dyn FnMut(Row)) -
             out(indent::refit_row(case, net, effort));
         }
     }
+    if wanted("tick/teardrop/default") {
+        out(indent::default_tick_row("tick/teardrop/default", effort));
+    }
     for model in ["lattice", "continuum", "net"] {
         let case = format!("tick/teardrop/{model}");
         if wanted(&case) {

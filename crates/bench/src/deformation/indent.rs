@@ -223,7 +223,18 @@ pub(super) fn tick_row(case: &str, model: &'static str, effort: Effort) -> Row {
         "net" => TeardropCase::new(case, "net", "[12, 13]", 2),
         _ => TeardropCase::new(case, model, "[20, 21]", 4),
     };
-    let mut world = match World::new(&shape.text(1_000)) {
+    ticks_of(case, model, &shape.text(1_000), effort)
+}
+
+/// Ticks of the scene that people meet first.
+pub(super) fn default_tick_row(case: &str, effort: Effort) -> Row {
+    let text = include_str!("../../../../scenes/teardrop.toml");
+    ticks_of(case, "default", text, effort)
+}
+
+/// Pressed 0 to 3 mm deep and slid over.
+fn ticks_of(case: &str, model: &'static str, text: &str, effort: Effort) -> Row {
+    let mut world = match World::new(text) {
         Ok(world) => world,
         Err(why) => return failed(case, &why),
     };

@@ -5,9 +5,9 @@
 //! of the tick about its rigid motion and its pressures are then shortened by one share, where it is by contact with
 //! its forces.
 
+use super::cells::Cell;
 use super::elements::continuum::{inverses, squares_at_centre, stretched};
 use super::matter::{Matter, lanes_of};
-use super::node_map::NodeMap;
 use super::rigid_motion::Inertia;
 use palpate_geometry::math::lanes::{Baseline, Four, Lanes};
 use palpate_geometry::math::{Lane, Point3, Rotation, Vector3, rotation_by};
@@ -16,12 +16,14 @@ use palpate_geometry::math::{Lane, Point3, Rotation, Vector3, rotation_by};
 /// a scrambled body of ν = 0.45 runs away; with contacts limited less strictly, one that is poked turns cells inside out.
 const MOST_STRAIN: f64 = 0.35;
 
-/// Cells side by side.
+/// Cells of a solid, four side by side, the smallest first.
 #[derive(Debug)]
 pub(super) struct Guard {
     cells: Vec<Cells>,
-    /// (coordinates): a coordinate that moves by one metre strains nothing by more, 1/m.
-    steepest: Vec<f64>,
+    /// Nodes of the cells, as they first appear.
+    nodes: Vec<u32>,
+    /// No node moves farther than the farthest coordinate times this.
+    reach: f64,
 }
 
 #[derive(Debug)]
@@ -30,89 +32,99 @@ struct Cells {
     nodes: [[u32; 4]; 8],
     /// (xx yy zz xy xz yz): (J₀ᵀ J₀)⁻¹ at the centre, 1/m²; zero for missing cells.
     metric: [Four; 6],
+    /// Nodes that move by one metre strain neither these cells nor those that follow by more, 1/m.
+    steepest: f64,
+    /// How many of the guard's nodes these cells and those before have.
+    node_count: usize,
 }
 
 impl Guard {
     /// Of the cells of a solid; a sheet has none.
     pub fn new(matter: &Matter) -> Self {
         let places = lanes_of(&matter.map.nodes(&matter.rest));
+        let steepness = |cell: &Cell| {
+            let nodes = cell.map(|node| [node; 4]);
+            let metric = inverses(&squares_at_centre(&nodes, &places));
+            // The gradient's columns are no longer than the longest displacement.
+            (3.0 * (metric[0][0] + metric[1][0] + metric[2][0])).sqrt()
+        };
+        let mut sorted: Vec<(f64, &Cell)> = (matter.cells.iter())
+            .map(|cell| (steepness(cell), cell))
+            .collect();
+        sorted.sort_by(|a, b| b.0.total_cmp(&a.0));
         let mut guard = Self {
             cells: Vec::new(),
-            steepest: vec![0.0; matter.rest.len()],
+            nodes: Vec::new(),
+            reach: matter.map.reach(),
         };
-        for four in matter.cells.chunks(4) {
-            let mut nodes = four[0].map(|node| [node; 4]);
-            for (k, cell) in four.iter().enumerate() {
-                for (of_corner, &node) in nodes.iter_mut().zip(cell) {
+        let mut seen = vec![false; places.len()];
+        for four in sorted.chunks(4) {
+            let mut nodes = four[0].1.map(|node| [node; 4]);
+            for (k, (_, cell)) in four.iter().enumerate() {
+                for (of_corner, &node) in nodes.iter_mut().zip(cell.iter()) {
                     of_corner[k] = node;
+                    if !std::mem::replace(&mut seen[node as usize], true) {
+                        guard.nodes.push(node);
+                    }
                 }
             }
-            let metric = inverses(&squares_at_centre(&nodes, &places));
-            for (k, cell) in four.iter().enumerate() {
-                // The gradient's columns are no longer than the longest displacement.
-                let steep = (3.0 * (metric[0][k] + metric[1][k] + metric[2][k])).sqrt();
-                for &node in cell {
-                    guard.steepen(&matter.map, node as usize, steep);
-                }
+            let mut metric = inverses(&squares_at_centre(&nodes, &places));
+            for row in &mut metric {
+                row[four.len()..].fill(0.0);
             }
-            guard.cells.push(Cells { nodes, metric });
+            guard.cells.push(Cells {
+                nodes,
+                metric,
+                steepest: four[0].0,
+                node_count: guard.nodes.len(),
+            });
         }
         guard
-    }
-
-    fn steepen(&mut self, map: &NodeMap, node: usize, steep: f64) {
-        let own = ([node as u32], [1.0]);
-        let (columns, weights) = match map {
-            NodeMap::Same => (&own.0[..], &own.1[..]),
-            NodeMap::Sparse(map) => map.row(node),
-        };
-        let all: f64 = weights.iter().map(|weight| weight.abs()).sum();
-        for &column in columns {
-            let of_column = &mut self.steepest[column as usize];
-            *of_column = of_column.max(all * steep);
-        }
     }
 
     /// The share of a motion that strains nothing by too much: 1, or less. `moved` (coordinates) is the motion without
     /// its rigid part where the law is asked, m; `nodes` is a buffer.
     pub fn share(&self, matter: &Matter, moved: &[Lane], nodes: &mut [Lane]) -> f64 {
-        let squares = moved.iter().zip(&self.steepest).map(|(lane, steep)| {
-            let [x, y, z, _] = lane;
-            (x * x + y * y + z * z) * (steep * steep)
-        });
-        let allowed = MOST_STRAIN * MOST_STRAIN;
-        if squares.fold(0.0, larger) <= allowed {
+        let squares = (moved.iter()).map(|[x, y, z, _]| x * x + y * y + z * z);
+        let farthest = squares.fold(0.0, larger).sqrt() * self.reach;
+        let strained = |cells: &Cells| {
+            let within = cells.steepest * farthest <= MOST_STRAIN;
+            !within
+        };
+        let strained = &self.cells[..self.cells.partition_point(strained)];
+        let Some(last) = strained.last() else {
             return 1.0;
-        }
-        let square = self.strain_squared(matter.nodes_of(moved, nodes));
-        match square <= allowed {
+        };
+        let moved = matter.some_nodes_of(&self.nodes[..last.node_count], moved, nodes);
+        let square = strain_squared(strained, moved);
+        match square <= MOST_STRAIN * MOST_STRAIN {
             true => 1.0,
             false if square.is_finite() => MOST_STRAIN / square.sqrt(),
             false => 0.0,
         }
     }
+}
 
-    /// The square of the largest strain of displacements of the nodes, or a little more.
-    fn strain_squared(&self, moved: &[Lane]) -> f64 {
-        #[cfg(target_arch = "x86_64")]
-        if palpate_geometry::math::simd::has_avx2() {
-            // SAFETY: the processor has AVX2, asked just above.
-            #[allow(unsafe_code)]
-            return unsafe { strain_squared_wide(self, moved) };
-        }
-        self.strain_squared_in::<Baseline>(moved)
+/// The square of the largest strain of displacements of the nodes, or a little more.
+fn strain_squared(cells: &[Cells], moved: &[Lane]) -> f64 {
+    #[cfg(target_arch = "x86_64")]
+    if palpate_geometry::math::simd::has_avx2() {
+        // SAFETY: the processor has AVX2, asked just above.
+        #[allow(unsafe_code)]
+        return unsafe { strain_squared_wide(cells, moved) };
     }
+    strain_squared_in::<Baseline>(cells, moved)
+}
 
-    #[inline(always)]
-    fn strain_squared_in<L: Lanes>(&self, moved: &[Lane]) -> f64 {
-        let mut most = 0.0;
-        for cells in &self.cells {
-            let mut squares = [0.0; 4];
-            stretched::<L>(&cells.nodes, &cells.metric, moved).store(&mut squares);
-            most = squares.into_iter().fold(most, larger);
-        }
-        most
+#[inline(always)]
+fn strain_squared_in<L: Lanes>(cells: &[Cells], moved: &[Lane]) -> f64 {
+    let mut most = 0.0;
+    for cells in cells {
+        let mut squares = [0.0; 4];
+        stretched::<L>(&cells.nodes, &cells.metric, moved).store(&mut squares);
+        most = squares.into_iter().fold(most, larger);
     }
+    most
 }
 
 /// The larger of two; what is not a number is larger than any.
@@ -123,8 +135,8 @@ fn larger(most: f64, square: f64) -> f64 {
 /// The same code with 256-bit registers; no fused multiply-add, so the bits are the same.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn strain_squared_wide(guard: &Guard, moved: &[Lane]) -> f64 {
-    guard.strain_squared_in::<palpate_geometry::math::lanes::Wide>(moved)
+fn strain_squared_wide(cells: &[Cells], moved: &[Lane]) -> f64 {
+    strain_squared_in::<palpate_geometry::math::lanes::Wide>(cells, moved)
 }
 
 /// The rigid part of a body's motion in a step.

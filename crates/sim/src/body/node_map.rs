@@ -105,6 +105,17 @@ impl NodeMap {
         }
     }
 
+    /// How far a node moves at most where no coordinate moves by more than one.
+    pub fn reach(&self) -> f64 {
+        match self {
+            Self::Same => 1.0,
+            Self::Sparse(map) => {
+                let sum = |row: usize| map.row(row).1.iter().map(|w| w.abs()).sum::<f64>();
+                (0..map.rows()).map(sum).fold(0.0, f64::max)
+            }
+        }
+    }
+
     /// What nodes carry, handed to their coordinates: Wᵀ m.
     pub fn lumped(&self, of_nodes: &[f64], coordinates: usize) -> Vec<f64> {
         debug_assert!(of_nodes.iter().all(|m| *m >= 0.0), "a mass below none");
