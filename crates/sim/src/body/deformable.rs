@@ -13,7 +13,7 @@ use super::core::SurfaceBlocks;
 use super::field::Field;
 use super::follow::{Following, Follows, Made};
 use super::frame::{Frame, IDENTITY, from_rest, into_rest};
-use super::guard::{Guard, RigidStep};
+use super::guard::{Guard, Limit, RigidStep};
 use super::implicit::ImplicitStep;
 use super::material::Plastic;
 use super::matter::{Blueprint, FIXED, Matter, lanes};
@@ -198,7 +198,8 @@ impl Deformable {
             scratch.predicted[c as usize] += *moved;
         }
         if first {
-            let share = self.share_within_reach(implicit, state, scratch);
+            let [by_itself, _] = implicit.limits(&self.matter);
+            let share = self.share_within(by_itself, state, scratch);
             if share < 1.0 {
                 self.go_back(state, scratch, share);
                 scratch.predicted.copy_from_slice(&scratch.reached);
@@ -283,13 +284,14 @@ impl Deformable {
         }
         self.take_contact(implicit, scratch);
         scratch.arrived = true;
-        scratch.share = self.share_within_reach(implicit, state, scratch);
+        let [_, with_contact] = implicit.limits(&self.matter);
+        scratch.share = self.share_within(with_contact, state, scratch);
     }
 
-    /// The share of the motion of the step so far that strains no cell by too much.
-    fn share_within_reach(
+    /// The share of the motion of the step so far that strains no cell by more than a limit.
+    fn share_within(
         &self,
-        implicit: &ImplicitStep,
+        limit: Limit,
         state: &DeformableState,
         scratch: &mut DeformableScratch,
     ) -> f64 {
@@ -297,14 +299,13 @@ impl Deformable {
         let inertia = scratch.implicit.inertia.as_ref();
         scratch.rigid = inertia
             .and_then(|inertia| RigidStep::of(matter, inertia, &state.positions, &scratch.reached));
-        let ahead = implicit.ahead(matter);
         let places = state.positions.iter().zip(&scratch.reached);
         for ((x, z), moved) in places.zip(scratch.pull.iter_mut()) {
             let from = scratch.rigid.map_or(*x, |rigid| rigid.at(x));
-            let d = (z - from) * ahead;
+            let d = z - from;
             *moved = [d.x, d.y, d.z, 0.0];
         }
-        (self.guard).share(matter, &scratch.pull, &mut scratch.nodes)
+        (self.guard).share(matter, &scratch.pull, &mut scratch.nodes, limit)
     }
 
     /// By coordinate, how far contact forces took a step that arrived against those that it was predicted with, m.

@@ -2,8 +2,8 @@
 //!
 //! The law is asked at x + s (z − x), s = 1 + d / dt (of springs, no farther than they can follow), and a step's matrix
 //! stands for where the body is: a motion that strains a cell by too much within one tick is beyond it. The deformation
-//! of the tick about its rigid motion and its pressures are then shortened by one share, where it is by contact with
-//! its forces.
+//! of the tick about its rigid motion and its pressures are then shortened by one share: that of the body by itself
+//! before contact is solved, and once it is, with its forces.
 
 use super::cells::Cell;
 use super::elements::continuum::{inverses, squares_at_centre, stretched};
@@ -12,9 +12,37 @@ use super::rigid_motion::Inertia;
 use palpate_geometry::math::lanes::{Baseline, Four, Lanes};
 use palpate_geometry::math::{Lane, Point3, Rotation, Vector3, rotation_by};
 
-/// Most that a motion strains a cell where the law is asked: of a body by itself, and then with its contacts. With 0.5
-/// a scrambled body of ν = 0.45 runs away; with contacts limited less strictly, one that is poked turns cells inside out.
-const MOST_STRAIN: f64 = 0.35;
+/// How much a motion may strain a cell.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Limit {
+    /// The motion is looked at times this.
+    pub times: f64,
+    /// Largest strain.
+    pub most: f64,
+}
+
+impl Limit {
+    /// Springs.
+    pub const OF_SPRINGS: Self = Self {
+        times: 1.0,
+        most: 0.35,
+    };
+    /// A continuum once contact has moved it, where it comes to: where the law is asked, one that is damped much could
+    /// not get out of the way. With 0.2 one of ν = 0.499 that is poked at random turns cells inside out.
+    pub const WITH_CONTACT: Self = Self {
+        times: 1.0,
+        most: 0.15,
+    };
+
+    /// A continuum by itself, where the law is asked, `ahead` times as far. With 0.5 a scrambled one of ν = 0.45 runs
+    /// away.
+    pub fn of_continuum(ahead: f64) -> Self {
+        Self {
+            times: ahead,
+            most: 0.35,
+        }
+    }
+}
 
 /// Cells of a solid, four side by side, the smallest first.
 #[derive(Debug)]
@@ -83,12 +111,12 @@ impl Guard {
     }
 
     /// The share of a motion that strains nothing by too much: 1, or less. `moved` (coordinates) is the motion without
-    /// its rigid part where the law is asked, m; `nodes` is a buffer.
-    pub fn share(&self, matter: &Matter, moved: &[Lane], nodes: &mut [Lane]) -> f64 {
+    /// its rigid part, m; `nodes` is a buffer.
+    pub fn share(&self, matter: &Matter, moved: &[Lane], nodes: &mut [Lane], limit: Limit) -> f64 {
         let squares = (moved.iter()).map(|[x, y, z, _]| x * x + y * y + z * z);
-        let farthest = squares.fold(0.0, larger).sqrt() * self.reach;
+        let farthest = squares.fold(0.0, larger).sqrt() * self.reach * limit.times;
         let strained = |cells: &Cells| {
-            let within = cells.steepest * farthest <= MOST_STRAIN;
+            let within = cells.steepest * farthest <= limit.most;
             !within
         };
         let strained = &self.cells[..self.cells.partition_point(strained)];
@@ -96,10 +124,10 @@ impl Guard {
             return 1.0;
         };
         let moved = matter.some_nodes_of(&self.nodes[..last.node_count], moved, nodes);
-        let square = strain_squared(strained, moved);
-        match square <= MOST_STRAIN * MOST_STRAIN {
+        let strain = strain_squared(strained, moved).sqrt() * limit.times;
+        match strain <= limit.most {
             true => 1.0,
-            false if square.is_finite() => MOST_STRAIN / square.sqrt(),
+            false if strain.is_finite() => limit.most / strain,
             false => 0.0,
         }
     }

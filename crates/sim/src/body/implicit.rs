@@ -26,6 +26,7 @@ use super::elements::Weight;
 use super::follow::{self, Follows, Made, Shape};
 use super::frame::{Frame, IDENTITY, from_rest, into_rest};
 use super::frames::Frames;
+use super::guard::Limit;
 use super::look_ahead::LookAhead;
 use super::matter::{FIXED, Matter, lanes};
 use super::neighbours::{middle, shortest_edges};
@@ -212,11 +213,15 @@ impl ImplicitStep {
         caution
     }
 
-    /// How far ahead of a motion the law is asked, as a factor; springs see to it themselves.
-    pub(super) fn ahead(&self, matter: &Matter) -> f64 {
+    /// How much the body may strain in a step, by itself and then with its contacts.
+    pub(super) fn limits(&self, matter: &Matter) -> [Limit; 2] {
         match self.kind {
-            Kind::Continuum => 1.0 + matter.damping_s / matter.settings.dt_s,
-            Kind::Lattice | Kind::Sheet => 1.0,
+            Kind::Continuum => {
+                let ahead = 1.0 + matter.damping_s / matter.settings.dt_s;
+                [Limit::of_continuum(ahead), Limit::WITH_CONTACT]
+            }
+            // They see to how far ahead they are asked themselves.
+            Kind::Lattice | Kind::Sheet => [Limit::OF_SPRINGS; 2],
         }
     }
 

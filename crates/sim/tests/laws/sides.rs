@@ -296,8 +296,7 @@ fn plunge(text: &str, depth_m: f64, speed_m_s: f64) -> (f64, f64) {
 }
 
 // At 1 m/s the sheet is thrown off, comes back, and meets the pen at several metres a second: more
-// in a tick than the distance at which a contact becomes a row. A continuum follows a strain of 0.35 a tick where
-// its damping looks: at 3 m/s it flags its forces, and 10 mm deep the pen passes.
+// in a tick than the distance at which a contact becomes a row. A continuum follows a strain of 0.15 a tick: at 3 m/s it flags its forces, and 10 mm deep the pen passes.
 #[test]
 fn a_rigidly_held_pen_passes_no_soft_sheet_however_fast_it_comes() {
     let cone = "cone = { half_angle_rad = 0.3, height_m = 0.02 } }";
