@@ -70,7 +70,7 @@ VIEWS="" record rigid-teardrop-press scenes/rigid-teardrop.toml 1500ms ball:pres
 record small-lattice-press recordings/golden/small-lattice.toml 1500ms ball:press:0.004:ideal:3
 record small-net-tap recordings/golden/small-net.toml 250ms ball:tap:0.006:ideal:11
 record two-drops-press scenes/two-drops.toml 1500ms ball:press:0.03:ideal:3
-record teardrop-tap scenes/teardrop.toml 700ms ball:tap:0.006:touch:4
+record teardrop-tap scenes/teardrop.toml 650ms ball:tap:0.006:touch:4
 record sheet-tap scenes/sheet.toml 1200ms pen:tap:0.005:ideal:5
 record vessel-tap scenes/vessel.toml 1200ms pen:tap:0.004:ideal:10
 record four-hands scenes/four-hands.toml 1050ms tip:tap:0.004:touch:6 ring:press:0.004:ideal:7 ball:tap:0.005:ideal:8 plate:tap:0.004:ideal:9

@@ -24,7 +24,7 @@ pub struct Args {
     #[arg(long, value_name = "RxS", value_parser = super::surface::fit::counts)]
     net: Option<[usize; 2]>,
     /// What the body is made of: rigid, membrane, lattice, continuum or net.
-    #[arg(long, default_value = "continuum", value_parser = ["rigid", "membrane", "lattice", "continuum", "net"])]
+    #[arg(long, default_value = "lattice", value_parser = ["rigid", "membrane", "lattice", "continuum", "net"])]
     model: String,
 }
 
