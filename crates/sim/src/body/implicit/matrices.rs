@@ -2,7 +2,7 @@
 
 use super::{Kind, TAUT};
 use crate::body::core::{Core, Factor, SurfaceBlocks};
-use crate::body::elements::{Place, Weight};
+use crate::body::elements::{Edge, Place, Weight};
 use crate::body::follow::{self, Cells, Shape};
 use crate::body::frame::IDENTITY;
 use crate::body::frames::Frames;
@@ -62,7 +62,7 @@ pub(super) fn tangents(
     matter: &Matter,
     kind: Kind,
     most: usize,
-) -> Option<(Vec<Core>, Vec<(u32, u32, f64)>)> {
+) -> Option<(Vec<Core>, Vec<Edge>)> {
     let nodes = lanes_of(&matter.map.nodes(&matter.rest));
     let metrics = (matter.flow.as_ref()).map_or(&[][..], |flow| flow.rest(&matter.law));
     let rest = Place {
