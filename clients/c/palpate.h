@@ -379,7 +379,7 @@ static inline size_t palpate_tool_pose_key(char *out, size_t room, const char *i
 #define PALPATE_FORCE_FLAGS_WITHHELD 256u
 /*
  * The force is less accurate than the scene asks for: the step of a body that the tool presses fell
- * back to another matrix or held cells back, or quality is lowered.
+ * back to another matrix or was shortened, or quality is lowered.
  */
 #define PALPATE_FORCE_FLAGS_DEGRADED 512u
 

@@ -67,7 +67,7 @@ class ForceFlags(enum.IntFlag):
     """No force: the tool was seated inside a body, and its contact force was not small once since then."""
     DEGRADED = 512
     """The force is less accurate than the scene asks for: the step of a body that the tool presses fell back to another
-    matrix or held cells back, or quality is lowered.
+    matrix or was shortened, or quality is lowered.
     """
 
 

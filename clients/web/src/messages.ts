@@ -64,7 +64,7 @@ export const ForceFlags = {
   WITHHELD: 256,
   /**
    * The force is less accurate than the scene asks for: the step of a body that the tool presses fell back to another
-   * matrix or held cells back, or quality is lowered.
+   * matrix or was shortened, or quality is lowered.
    */
   DEGRADED: 512,
 } as const;
