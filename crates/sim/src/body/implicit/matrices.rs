@@ -58,11 +58,7 @@ fn is_too_stiff(matter: &Matter, diagonal: &[f64]) -> bool {
 
 /// The cores of the tangent of rest, if it has a factor of at most so many numbers that single precision can hold; and
 /// the Laplacian of what short edges of a lattice carry beyond others.
-pub(super) fn tangents(
-    matter: &Matter,
-    kind: Kind,
-    most: usize,
-) -> Option<(Vec<Core>, Vec<Edge>)> {
+pub(super) fn tangents(matter: &Matter, kind: Kind, most: usize) -> Option<(Vec<Core>, Vec<Edge>)> {
     let nodes = lanes_of(&matter.map.nodes(&matter.rest));
     let metrics = (matter.flow.as_ref()).map_or(&[][..], |flow| flow.rest(&matter.law));
     let rest = Place {
