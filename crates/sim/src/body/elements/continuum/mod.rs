@@ -7,7 +7,7 @@
 //! (mean dilatation, Nagtegaal, Parks & Rice 1974), so nearly incompressible cells do not lock.
 //! Inverted and flat cells have finite forces that lead back.
 //!
-//! The implicit step knows pressures as unknowns of their own: see [`unknown`].
+//! The implicit step knows pressures as unknowns of their own.
 
 mod barrier;
 mod block;
