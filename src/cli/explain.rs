@@ -132,7 +132,7 @@ fn tell_body(out: &mut String, body: &BodyExplained) {
         let _ = write!(out, "; matrix: {matrix}");
     }
     match fall_back {
-        Some(FallBack::Shortened) => out.push_str("; the step was shortened, with its forces"),
+        Some(FallBack::Shortened) => out.push_str("; the step was shortened"),
         Some(FallBack::Halved) => out.push_str("; half of a correction was taken back"),
         _ => (),
     }

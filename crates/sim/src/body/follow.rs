@@ -1,8 +1,9 @@
 //! A matrix of the step that follows the body.
 //!
 //! One iteration from the inertial prediction is stable while no area of a cell has grown by a third since its matrix
-//! was made, nor its stiffness by plastic flow. Where one has by [`MOST_GROWN`], the matrix is made anew where the body is now, elsewhere, and taken over
-//! [`DUE`] steps later, whenever it was done: a replay makes the same one from the same places.
+//! was made, nor a stiffness by plastic flow. Where one has by [`MOST_GROWN`], the matrix is made anew where the body is
+//! now, elsewhere, and taken over [`DUE`] steps later, whenever it was done: a replay makes the same one from the same
+//! places.
 
 use super::core::Core;
 use super::elements::continuum::{areas_squared, inverses, squares_at_centre};

@@ -22,7 +22,7 @@ pub(super) struct Limit {
 }
 
 impl Limit {
-    /// Springs.
+    /// That of a body of springs, by itself and with contact.
     pub const OF_SPRINGS: Self = Self {
         times: 1.0,
         most: 0.35,
@@ -160,7 +160,7 @@ fn larger(most: f64, square: f64) -> f64 {
     if square <= most { most } else { square }
 }
 
-/// The same code with 256-bit registers; no fused multiply-add, so the bits are the same.
+/// [`strain_squared_in`] compiled for 256-bit registers, without fused multiply-add: its bits are the same.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
 fn strain_squared_wide(cells: &[Cells], moved: &[Lane]) -> f64 {
