@@ -683,8 +683,9 @@ fn held_without_a_tremble(model: &str) {
     println!("{model}: {low} to {high} N held, largest step {worst} N");
     assert!(high - low < 0.01 * high, "{model}: {low} to {high} N");
     // To stop in one tick, as the cone does at the end of its way, costs 20 um over the compliance
-    // of the surface in one tick, about 0.4 mm/N.
-    assert!(worst < 0.05, "{model}: {worst} N in one tick");
+    // of the surface in one tick: 0.4 mm/N, of a continuum more.
+    let most = if model == "lattice" { 0.05 } else { 0.02 };
+    assert!(worst < most, "{model}: {worst} N in one tick");
 }
 
 #[test]

@@ -8,4 +8,5 @@ mod common;
 mod contact;
 #[path = "../common/counting.rs"]
 mod counting;
+mod maker;
 mod tick;

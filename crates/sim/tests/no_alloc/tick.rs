@@ -194,7 +194,7 @@ fn a_tick_of_a_tool_that_turns_allocates_nothing() {
 
 #[test]
 fn a_tick_of_two_soft_bodies_allocates_nothing() {
-    // Of springs: without a worker, a tick makes the matrix that follows a continuum.
+    // Of springs: without a thread for it (`maker`), a tick makes the matrix that follows a continuum.
     let text = include_str!("../../../../scenes/two-drops.toml").replace("continuum", "lattice");
     let mut world = World::new(&text);
     for _ in 0..5 {
