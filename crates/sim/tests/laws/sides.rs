@@ -4,6 +4,7 @@
 use crate::common::World;
 use palpate_geometry::math::{Point3, Random, Vector3};
 use palpate_geometry::surface::ClosestSolver;
+use palpate_sim::tick::flags;
 
 const SHEET: &str = include_str!("../../../../scenes/sheet.toml");
 const VESSEL: &str = include_str!("../../../../scenes/vessel.toml");
@@ -359,7 +360,7 @@ fn a_pen_too_fast_for_a_sheet_gets_degraded_forces() {
         let output = world.at_in_place([0.0, 0.0, 0.02 - 3e-3 * f64::from(k)]);
         degraded += u32::from(output.tools[0].flags & flags::DEGRADED != 0);
     }
-    assert!(degraded >= 2, "{degraded} ticks are flagged");
+    assert!(degraded > 0, "{degraded} ticks are flagged");
 }
 
 // Crushed to 0.35 of its height, without friction: its surface folds, and beside a fold the far end of
