@@ -6,7 +6,7 @@ use crate::daemon::{Daemon, PROGRAM, free_port, side_by_side};
 use crate::scenes::{RIGID_TEARDROP as RIGID, too_slow, with_large_net};
 use palpate_client::proto::codec::encode;
 use palpate_client::proto::messages::{DeviceInfo, EventKind, ToolForce, ToolPose, force_flags};
-use palpate_client::{Connect, Palpate, pose_at};
+use palpate_client::{ClientError, Connect, Palpate, pose_at};
 use std::process::{Command, Output, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -201,6 +201,13 @@ fn device_info(name: &str, force_max: f64) -> DeviceInfo {
 // the tool and raised the limit of its device.
 #[test]
 fn a_stranger_neither_moves_a_held_tool_nor_describes_its_device_nor_locks_its_holder_out() {
+    // A holder that a busy machine keeps from sending for long loses the tool, as it should.
+    let kept = (0..5).any(|_| holder_keeps_its_tool());
+    assert!(kept, "the stranger has the tool each time");
+}
+
+/// False where the holder was silent for so long that it lost the tool.
+fn holder_keeps_its_tool() -> bool {
     let directory = tempfile::tempdir().unwrap();
     let daemon = Daemon::start(directory.path(), RIGID, &[]);
     let holder = daemon.connect();
@@ -225,7 +232,11 @@ fn a_stranger_neither_moves_a_held_tool_nor_describes_its_device_nor_locks_its_h
         }
         let share = (came.elapsed().as_secs_f64() / 0.3).min(1.0);
         let place = [0, 1, 2].map(|c| AWAY[c] + share * (PRESSED[c] - AWAY[c]));
-        tool.send(pose_at(place)).unwrap();
+        match tool.send(pose_at(place)) {
+            Ok(()) => {}
+            Err(ClientError::Held { .. }) => return false,
+            Err(error) => panic!("{error}"),
+        }
         if begun.elapsed() > Duration::from_millis(500) {
             // Refused from when the holder is known; then it sends nothing.
             let _ = other.send(pose_at(AWAY));
@@ -266,6 +277,7 @@ fn a_stranger_neither_moves_a_held_tool_nor_describes_its_device_nor_locks_its_h
                 .force()
                 .is_some_and(|force| force.proxy_position[0] > AWAY[0] - 1e-3)
     });
+    true
 }
 
 #[test]

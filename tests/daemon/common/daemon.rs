@@ -6,9 +6,17 @@ use std::net::TcpStream;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 pub const PROGRAM: &str = env!("CARGO_BIN_EXE_palpate");
+
+static QUIET: Mutex<()> = Mutex::new(());
+
+/// Held by tests that take most of a small machine, and by those that measure times to which it matters.
+pub fn quiet() -> MutexGuard<'static, ()> {
+    QUIET.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// A port that nobody listens on and no other test of this program gets, below those that the system
 /// gives to connections.

@@ -1,7 +1,7 @@
 //! The page in a browser, and the bundle that the daemon embeds. Where there is no npm, no Chromium
 //! or nothing installed in `clients/web`, they say that they were skipped.
 
-use crate::daemon::PROGRAM;
+use crate::daemon::{PROGRAM, quiet};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -66,6 +66,7 @@ fn a_browser_shows_presses_records_and_seeks() {
     for script in ["build", "build:tests"] {
         npm(script, &web);
     }
+    let _quiet = quiet();
     let mut node = Command::new("node");
     node.arg("tests/browser.mjs").env("CHROMIUM", chromium);
     println!("{}", run(&mut node, &web));

@@ -4,7 +4,7 @@
 mod paths;
 mod table;
 
-use crate::daemon::{Daemon, free_port};
+use crate::daemon::{Daemon, free_port, quiet};
 use crate::devices::peer::{Peer, pose};
 use crate::devices::ros2::open_router;
 use crate::page::serve;
@@ -345,6 +345,7 @@ const MARKERS: [&str; 2] = [
 
 #[test]
 fn a_force_is_gone_within_what_docs_security_md_promises_on_every_path() {
+    let _quiet = quiet();
     let mut table = Table::default();
     for _ in 0..ATTEMPTS {
         Rig::start().run(&mut table);
