@@ -8,9 +8,10 @@
 use super::frame::{Frame, IDENTITY};
 use super::matter::Matter;
 use super::neighbours::{adjacent, middle, shortest_edges};
+use super::node_map::NodeMap;
 use palpate_geometry::math::lanes::{Baseline, Four, Lanes};
 use palpate_geometry::math::{Lane, Matrix3, Point3, Vector3, simd};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Neighbours of a coordinate, at most.
 const MOST: usize = 8;
@@ -51,14 +52,12 @@ struct Fit {
 }
 
 impl Fit {
-    /// `None` where the neighbours lie nearly in a plane.
-    fn new(i: usize, near: &[(f64, u32)], rest: &[Point3], weight: fn(f64) -> f64) -> Option<Self> {
+    /// Of neighbours with their weights, the best first. `None` where they lie nearly in a plane.
+    fn new(i: usize, near: &[(u32, f64)], rest: &[Point3]) -> Option<Self> {
         let here = rest[i];
-        let (chosen, inverse) = choose(near, here, rest, weight)?;
-        let edges = chosen.iter().map(|&&j| {
-            let edge = rest[j as usize] - here;
-            (j, inverse * edge * weight(edge.norm_squared()))
-        });
+        let (chosen, inverse) = choose(near, here, rest)?;
+        let edges = (chosen.iter())
+            .map(|&(j, weight)| (j, inverse * (rest[j as usize] - here) * weight));
         Some(Self {
             here: i as u32,
             edges: edges.collect(),
@@ -159,26 +158,30 @@ impl Frames {
     /// rest.
     pub(super) fn new(matter: &Matter) -> Self {
         let adjacent = adjacent(matter);
+        let rest = &matter.rest;
         // Springs alone resist no turning of small parts: only long edges show how these turn, and
         // weigh most. Of cells the nearest are the better witnesses.
         let (reach_m, weight): (f64, fn(f64) -> f64) = match matter.law.springs.len() {
             0 => (0.0, |square| 1.0 / square),
             _ => (middle(&shortest_edges(matter)), |_| 1.0),
         };
-        let fits: Vec<Option<Fit>> = (0..matter.rest.len())
+        let stiffness = Stiffness::of(matter);
+        let fits: Vec<Option<Fit>> = (0..rest.len())
             .map(|i| {
-                let near = neighbourhood(i, &adjacent, &matter.rest, reach_m);
-                match matter.law.is_solid() {
-                    true => Fit::new(i, &near, &matter.rest, weight),
-                    false => Fit::of_sheet(i, &near, &matter.rest),
+                let near = neighbourhood(i, &adjacent, rest, reach_m);
+                if !matter.law.is_solid() {
+                    return Fit::of_sheet(i, &near, rest);
                 }
+                let weigh = |j: u32| weight((rest[j as usize] - rest[i]).norm_squared());
+                let near = near.into_iter().map(|(_, j)| (j, weigh(j)));
+                Fit::new(i, &stiffness.weighed(i, near.collect()), rest)
             })
             .collect();
         let mut blocks = Vec::with_capacity(matter.unknown_count().div_ceil(4));
         for four in matter.coordinate_of_unknown.chunks(4) {
             let mut block = Block::EMPTY;
             for (lane, &coordinate) in four.iter().enumerate() {
-                if let Some(fit) = nearest(coordinate as usize, &fits, &adjacent, &matter.rest) {
+                if let Some(fit) = nearest(coordinate as usize, &fits, &adjacent, rest) {
                     block.set(lane, fit);
                 }
             }
@@ -300,6 +303,68 @@ fn repair(gradients: &[[Four; 3]; 3], good: u8, rows: &mut [[Four; 3]; 3]) {
     }
 }
 
+/// How stiff the cells are that couple two coordinates: where moduli differ, what is soft does not show how stiff
+/// matter beside it turns.
+struct Stiffness {
+    /// (coordinates): mean modulus of the cells that it shares with others, by those, Pa; empty for a body of one
+    /// modulus.
+    young_pa: Vec<BTreeMap<u32, f64>>,
+}
+
+impl Stiffness {
+    fn of(matter: &Matter) -> Self {
+        let is_even = matter.young_pa.windows(2).all(|two| two[0] == two[1]);
+        if is_even || matter.cells.is_empty() {
+            return Self {
+                young_pa: Vec::new(),
+            };
+        }
+        let mut sums = vec![BTreeMap::<u32, [f64; 2]>::new(); matter.rest.len()];
+        for (cell, young_pa) in matter.cells.iter().zip(&matter.young_pa) {
+            let mut shares = BTreeMap::<u32, f64>::new();
+            for &node in cell {
+                match &matter.map {
+                    NodeMap::Same => *shares.entry(node).or_default() += 1.0,
+                    NodeMap::Sparse(map) => {
+                        let (columns, weights) = map.row(node as usize);
+                        for (&c, w) in columns.iter().zip(weights) {
+                            *shares.entry(c).or_default() += w.abs();
+                        }
+                    }
+                }
+            }
+            for (&i, own) in &shares {
+                for (&j, other) in shares.iter().filter(|entry| *entry.0 != i) {
+                    let [weighed, share] = sums[i as usize].entry(j).or_default();
+                    *weighed += own * other * young_pa;
+                    *share += own * other;
+                }
+            }
+        }
+        let mean = |[weighed, share]: [f64; 2]| weighed / share;
+        let means = sums.into_iter();
+        Self {
+            young_pa: means
+                .map(|of| of.into_iter().map(|(j, sums)| (j, mean(sums))).collect())
+                .collect(),
+        }
+    }
+
+    /// Neighbours of a coordinate with their weights, those that stiff matter couples to it first.
+    fn weighed(&self, i: usize, mut near: Vec<(u32, f64)>) -> Vec<(u32, f64)> {
+        let Some(young_pa) = self.young_pa.get(i) else {
+            return near;
+        };
+        let most_pa = young_pa.values().copied().fold(0.0, f64::max);
+        let share = |j: u32| young_pa.get(&j).map_or(0.0, |young_pa| young_pa / most_pa);
+        near.sort_by_key(|&(j, _)| (-share(j).log10()).round() as u32);
+        for (j, weight) in &mut near {
+            *weight *= share(*j);
+        }
+        near
+    }
+}
+
 /// Coordinates around one with their distances: those coupled to it, and beyond them, along others,
 /// all within `reach_m`, so that where cells are much smaller than elsewhere (poles) a neighbourhood is
 /// no smaller than elsewhere. Each is followed by the one farthest from all before it where there are
@@ -352,32 +417,31 @@ fn neighbourhood(
 }
 
 /// Up to [`MOST`] neighbours and the inverse of their moments; `None` where they span no space.
-fn choose<'a>(
-    near: &'a [(f64, u32)],
+fn choose(
+    near: &[(u32, f64)],
     here: Point3,
     rest: &[Point3],
-    weight: fn(f64) -> f64,
-) -> Option<(Vec<&'a u32>, Matrix3)> {
-    let moments = |chosen: &[&u32]| {
-        chosen.iter().fold(Matrix3::zeros(), |sum, &&j| {
+) -> Option<(Vec<(u32, f64)>, Matrix3)> {
+    let moments = |chosen: &[(u32, f64)]| {
+        chosen.iter().fold(Matrix3::zeros(), |sum, &(j, weight)| {
             let edge = rest[j as usize] - here;
-            sum + edge * edge.transpose() * weight(edge.norm_squared())
+            sum + edge * edge.transpose() * weight
         })
     };
-    let spread = |chosen: &[&u32]| {
+    let spread = |chosen: &[(u32, f64)]| {
         let values = moments(chosen).symmetric_eigenvalues();
         values.min() / values.max().max(f64::MIN_POSITIVE)
     };
-    let mut chosen: Vec<&u32> = near.iter().take(MOST).map(|entry| &entry.1).collect();
+    let mut chosen: Vec<(u32, f64)> = near.iter().take(MOST).copied().collect();
     if chosen.len() < 3 {
         return None;
     }
-    // The nearest may lie in a plane; the last of them then gives way to one that leaves it.
-    let mut more = near.iter().skip(MOST).map(|entry| &entry.1);
+    // The first may lie in a plane; the last of them then gives way to one that leaves it.
+    let mut more = near.iter().skip(MOST);
     while spread(&chosen) < FLAT {
         let next = more.next()?;
         let mut tried = chosen.clone();
-        tried[MOST - 1] = next;
+        tried[MOST - 1] = *next;
         if spread(&tried) > spread(&chosen) {
             chosen = tried;
         }
