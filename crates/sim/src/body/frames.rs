@@ -56,8 +56,8 @@ impl Fit {
     fn new(i: usize, near: &[(u32, f64)], rest: &[Point3]) -> Option<Self> {
         let here = rest[i];
         let (chosen, inverse) = choose(near, here, rest)?;
-        let edges = (chosen.iter())
-            .map(|&(j, weight)| (j, inverse * (rest[j as usize] - here) * weight));
+        let edges =
+            (chosen.iter()).map(|&(j, weight)| (j, inverse * (rest[j as usize] - here) * weight));
         Some(Self {
             here: i as u32,
             edges: edges.collect(),

@@ -296,6 +296,35 @@ pub(super) fn bonded_layer(nu: f64, chi: f64) -> f64 {
         + 16.0 * alpha / pi.powi(4) * (alpha.powi(3) + 3.0 * pi * pi / 5.0 * beta) * chi.powi(4)
 }
 
+// Without lateral contraction a base that is held changes nothing: F = E A ε, but for 2 ε of the law's curvature.
+#[test]
+fn a_plate_on_a_block_presses_as_its_modulus_says() {
+    let (young, side, thickness, strain) = (20e3, 0.1, 0.03, 1e-3);
+    for model in ["continuum", "net"] {
+        let text = format!(
+            "[loop]\nrate_hz = 200\n[[body]]\nid = \"block\"\n\
+             surface = {{ builtin = \"sheet\", net = [8, 8], size = {side:?} }}\nmodel = \"{model}\"\n\
+             material = {{ young_pa = {young:?}, poisson = 0.0, damping_s = 5e-3 }}\n\
+             lattice = {{ thickness_m = {thickness:?}, layers = 4, refine = \"none\" }}\n\
+             fixed = [{{ point = [0.0, 0.0, {:?}], normal = [0.0, 0.0, 1.0] }}]\n\
+             [[tool]]\nid = \"plate\"\nshape = {{ plane = {{ normal = [0.0, 0.0, -1.0] }} }}\n\
+             pose = {{ position = [0.0, 0.0, 0.01] }}\n\
+             coupling = {{ stiffness_n_m = inf, damping_n_s_m = 0.0 }}\ndevice = {{ force_max_n = 1e9 }}\n",
+            1e-4 - thickness
+        );
+        let mut world = World::new(&text);
+        let mut force = 0.0;
+        for k in 0..600 {
+            let share = (f64::from(k) / 200.0).min(1.0);
+            let z = 0.001 - (0.001 + strain * thickness) * share;
+            force = world.at([0.0, 0.0, z]).tools[0].force_n.z;
+        }
+        let ratio = force / (young * side * side * strain);
+        println!("{model}: {ratio} of E A ε, base {} N", base_n(&world, 0).z);
+        assert!((ratio - 1.0).abs() < 0.005, "{model}: {ratio} of E A ε");
+    }
+}
+
 // Hertz' F = 4 E √R δ^1.5 / 3 (1 − ν²) on a bonded layer.
 #[test]
 fn a_sphere_on_a_thick_slab_presses_as_hertz_says() {

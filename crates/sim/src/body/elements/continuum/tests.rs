@@ -5,6 +5,7 @@ mod beams;
 mod energy;
 mod flow;
 mod frequency;
+mod order;
 mod stability;
 mod statics;
 
