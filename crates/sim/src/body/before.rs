@@ -3,8 +3,17 @@
 //! That norm is the product of the residual with its correction, which is there anyway. Where it grows, half of the last
 //! correction is taken back.
 
-use super::state::DeformableScratch;
 use palpate_geometry::math::{Lane, Point3, Vector3};
+
+/// A step of several iterations where it is looked at.
+pub(super) struct Look<'a> {
+    pub reached: &'a mut [Point3],
+    pub predicted: &'a mut [Point3],
+    /// At this look, and after its correction.
+    pub looked: &'a [Lane],
+    pub pressures: &'a mut [Lane],
+    pub carried: &'a mut Vec<(u32, Vector3)>,
+}
 
 /// Where a step of several iterations was looked at last.
 #[derive(Clone, Debug, Default)]
@@ -18,55 +27,42 @@ pub(super) struct Before {
 }
 
 impl Before {
-    /// Room for the places and pressures of a scratch.
-    pub fn for_scratch(scratch: &DeformableScratch) -> Self {
+    /// Room for so many coordinates, and these.
+    pub fn new(places: &[Point3], pressures: &[Lane], forces: usize) -> Self {
         Self {
-            reached: scratch.reached.clone(),
-            predicted: scratch.predicted.clone(),
-            pressures: scratch.implicit.pressures.clone(),
-            carried: Vec::with_capacity(2 * scratch.carried.capacity()),
+            reached: places.to_vec(),
+            predicted: places.to_vec(),
+            pressures: pressures.to_vec(),
+            carried: Vec::with_capacity(forces),
             halved: false,
         }
     }
 
-    /// Remembers where the step was looked at: before the correction in the scratch is added.
-    pub fn keep(scratch: &mut DeformableScratch) {
-        let before = &mut scratch.before;
-        before.reached.copy_from_slice(&scratch.reached);
-        before.predicted.copy_from_slice(&scratch.predicted);
-        before.pressures.copy_from_slice(&scratch.looked);
-        before.carried.clone_from(&scratch.carried);
+    /// Remembers where the step was looked at, before its correction is added.
+    pub fn keep(&mut self, at: &Look<'_>) {
+        self.reached.copy_from_slice(at.reached);
+        self.predicted.copy_from_slice(at.predicted);
+        self.pressures.copy_from_slice(at.looked);
+        self.carried.clone_from(at.carried);
     }
 
     /// Goes half of the way back to there.
-    pub fn go_half_back(scratch: &mut DeformableScratch) {
-        let DeformableScratch {
-            before,
-            reached,
-            predicted,
-            implicit,
-            carried,
-            looked,
-            ..
-        } = scratch;
-        before.halved = true;
-        let places = reached.iter_mut().chain(predicted);
-        for (z, from) in places.zip(before.reached.iter().chain(&before.predicted)) {
+    pub fn go_half_back(&mut self, at: &mut Look<'_>) {
+        self.halved = true;
+        let places = at.reached.iter_mut().chain(&mut *at.predicted);
+        for (z, from) in places.zip(self.reached.iter().chain(&self.predicted)) {
             *z = nalgebra::center(z, from);
         }
-        let of_look = looked
-            .as_flattened()
-            .iter()
-            .zip(before.pressures.as_flattened());
-        let pressures = implicit.pressures.as_flattened_mut().iter_mut();
+        let of_look = (at.looked.as_flattened().iter()).zip(self.pressures.as_flattened());
+        let pressures = at.pressures.as_flattened_mut().iter_mut();
         for (q, (last, from)) in pressures.zip(of_look) {
             *q = 0.5 * (last + from);
         }
-        carried.iter_mut().for_each(|(_, force)| *force *= 0.5);
-        for &(c, force) in &before.carried {
-            match carried.binary_search_by_key(&c, |entry| entry.0) {
-                Ok(k) => carried[k].1 += force * 0.5,
-                Err(k) => carried.insert(k, (c, force * 0.5)),
+        at.carried.iter_mut().for_each(|(_, force)| *force *= 0.5);
+        for &(c, force) in &self.carried {
+            match at.carried.binary_search_by_key(&c, |entry| entry.0) {
+                Ok(k) => at.carried[k].1 += force * 0.5,
+                Err(k) => at.carried.insert(k, (c, force * 0.5)),
             }
         }
     }

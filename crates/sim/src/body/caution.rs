@@ -1,12 +1,7 @@
-//! Whether the tangent of rest can follow springs, and the buffers of a correction.
+//! Whether the tangent of rest can follow springs.
 
-use super::core::FactorWork;
-use super::follow::Made;
-use super::frame::Frame;
-use super::rigid_motion::Inertia;
 use crate::in_place::clone_in_place;
-use crate::solve::rigid_part::RigidPart;
-use palpate_geometry::math::{Lane, Point3, Rows, Vector3};
+use palpate_geometry::math::Lane;
 
 /// Fewest and most steps that are left to a firmer matrix once one cannot follow.
 const CAUTIOUS_STEPS: [u32; 2] = [16, 1024];
@@ -64,39 +59,4 @@ impl Caution {
         self.next = (4 * self.next).min(CAUTIOUS_STEPS[1]);
         self.corrections.fill([0.0; 4]);
     }
-}
-
-/// Buffers of a correction.
-#[derive(Clone, Debug, Default)]
-pub(super) struct ImplicitScratch {
-    /// (unknowns).
-    pub(super) frames: Vec<Frame>,
-    pub(super) work: FactorWork,
-    /// (unknowns): right-hand side and solution, in the frame of the matrix.
-    pub(super) rows: Rows,
-    /// (unknowns), N: the right-hand side once more, of steps of several iterations.
-    pub(super) loads: Rows,
-    /// Of the last residual, its product with the correction: its square in the norm of B⁻¹, J.
-    pub(super) merit_j: f64,
-    /// (unknowns), m: the solution in the world.
-    pub(super) moved: Vec<Vector3>,
-    /// The state's caution after the step.
-    pub(super) caution: Caution,
-    /// Σ |correction|² of the last further iteration, m².
-    pub(super) last_m2: f64,
-    /// Pressures so far, Pa, and the gaps between them and the volumes at the last look.
-    pub(super) pressures: Vec<Lane>,
-    pub(super) gaps: Vec<Lane>,
-    /// Which core the step takes.
-    pub(super) core: usize,
-    /// Which of them a sheet as taut as in this step takes.
-    pub(super) taut: usize,
-    /// (coordinates), m: where the step starts.
-    pub(super) starts: Vec<Point3>,
-    /// Of a free body, there.
-    pub(super) inertia: Option<Inertia>,
-    /// How its rigid motions answer, once contact has asked for it.
-    pub(super) rigid: RigidPart,
-    /// The core that was made where the body is, in place of that of rest.
-    pub(super) followed: Option<Made>,
 }

@@ -1,11 +1,12 @@
 //! One matrix of the step, factored, with what it needs of the law and what contact asks of it.
 
 use super::elements::continuum::Growth;
-use super::follow::Cells;
 use super::frame::Frame;
+use super::grown::Cells;
 use super::matter::Matter;
 use super::scalar_factor::{ScalarFactor, ScalarWork};
 use palpate_geometry::math::{BlockCholesky, BlockWork, Lane, Rows, Vector3};
+use std::sync::Arc;
 
 /// A matrix B of the step: A = R B⁻¹ Rᵀ says how loads move the body.
 #[derive(Debug)]
@@ -163,3 +164,7 @@ impl SurfaceBlocks {
         size_of_val(self.blocks.as_slice())
     }
 }
+
+/// A matrix that was made elsewhere.
+#[derive(Clone, Debug)]
+pub struct Made(pub(super) Arc<Core>);

@@ -9,9 +9,9 @@ mod queries;
 
 use super::before::Before;
 use super::calm::{Outline, STILL_STEPS};
-use super::core::SurfaceBlocks;
+use super::core::{Made, SurfaceBlocks};
 use super::field::Field;
-use super::follow::{Following, Follows, Made};
+use super::following::{Following, Follows};
 use super::frame::{Frame, IDENTITY, from_rest, into_rest};
 use super::guard::{Guard, Limit, RigidStep};
 use super::implicit::ImplicitStep;
@@ -19,8 +19,9 @@ use super::material::Plastic;
 use super::matter::{Blueprint, FIXED, Matter, lanes};
 use super::rigid_motion::Momentum;
 use super::rigid_velocity::RigidVelocity;
+use super::scratch::DeformableScratch;
 use super::settings::{DeformableError, StepSettings};
-use super::state::{DeformableScratch, DeformableState};
+use super::state::DeformableState;
 use super::stepper::Stepper;
 use crate::solve::rigid_part::RigidPart;
 use palpate_geometry::math::{Point3, Vector3};
@@ -752,7 +753,8 @@ impl Deformable {
             state.caution = implicit.caution(&self.matter);
             state.pressures = vec![[0.0; 4]; implicit.pressure_lanes(&self.matter)];
             if !state.pressures.is_empty() {
-                state.following = Following::for_state(&state);
+                state.following =
+                    Following::for_state(&state.positions, &state.pressures, &state.rest_lengths);
             }
         }
         state
@@ -775,7 +777,8 @@ impl Deformable {
             scratch.implicit = implicit.scratch(&self.matter);
             if implicit.iterations() > 1 {
                 scratch.looked = scratch.implicit.pressures.clone();
-                scratch.before = Before::for_scratch(&scratch);
+                let forces = 2 * scratch.carried.capacity();
+                scratch.before = Before::new(&scratch.reached, &scratch.implicit.pressures, forces);
             }
         }
         scratch

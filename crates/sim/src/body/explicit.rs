@@ -7,8 +7,9 @@ use super::implicit::greatest_frequency_squared;
 use super::look_ahead::LookAhead;
 use super::matter::{Matter, lanes};
 use super::rigid_motion::Momentum;
+use super::scratch::DeformableScratch;
 use super::settings::DeformableError;
-use super::state::{DeformableScratch, DeformableState};
+use super::state::DeformableState;
 use palpate_geometry::math::Vector3;
 
 /// Most substeps of a step.

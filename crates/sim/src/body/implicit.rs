@@ -19,11 +19,11 @@
 
 mod matrices;
 
-use super::before::Before;
-use super::caution::{BOUNDING, Caution, ImplicitScratch};
-use super::core::{Core, Factor};
+use super::caution::{BOUNDING, Caution};
+use super::core::{Core, Factor, Made};
 use super::elements::Weight;
-use super::follow::{self, Follows, Made, Shape};
+use super::follow;
+use super::following::{Follows, Shape};
 use super::frame::{Frame, IDENTITY, from_rest, into_rest};
 use super::frames::Frames;
 use super::guard::Limit;
@@ -32,8 +32,9 @@ use super::matter::{FIXED, Matter, lanes};
 use super::neighbours::{middle, shortest_edges};
 use super::node_map::NodeMap;
 use super::rigid_motion::Inertia;
+use super::scratch::{DeformableScratch, ImplicitScratch};
 use super::settings::{DeformableError, FallBack, StepMatrix};
-use super::state::{DeformableScratch, DeformableState};
+use super::state::DeformableState;
 use crate::solve::rigid_part::RigidPart;
 use matrices::{bounding, tangents};
 use palpate_geometry::math::{Lane, Rows, SymmetricTriplets, Vector3};
@@ -312,7 +313,7 @@ impl ImplicitStep {
     }
 
     /// After a step: whether its matrix can go on following the body. One that is to be made is
-    /// [`Following::next`](super::follow::Following::next).
+    /// [`Following::next`](super::following::Following::next).
     pub(super) fn look(
         &self,
         matter: &Matter,
@@ -370,11 +371,13 @@ impl ImplicitStep {
         if self.iterations > 1 {
             if !first && scratch.implicit.merit_j > last_j {
                 // Half of the last correction, and another look from there.
-                Before::go_half_back(scratch);
+                let (before, mut look) = scratch.look();
+                before.go_half_back(&mut look);
                 self.weigh(matter, state, scratch);
                 self.correct_by_core(matter, scratch, first);
             }
-            Before::keep(scratch);
+            let (before, look) = scratch.look();
+            before.keep(&look);
         }
     }
 

@@ -1,24 +1,15 @@
 //! The matter of a deforming body: what moves, what it weighs and what acts between its nodes. How it
 //! steps is the business of the steppers, which are built from it.
 
-use super::before::Before;
-use super::calm::Calm;
-use super::caution::ImplicitScratch;
 use super::cells::{Cell, CellQuality};
 use super::elements::MaterialLaw;
-use super::elements::continuum::Given;
-use super::field::Field;
-use super::follow::Follows;
-use super::look_ahead::LookAhead;
 use super::material::Plastic;
 use super::node_map::NodeMap;
 use super::plastic::Flow;
-use super::rigid_motion::Momentum;
 use super::rigid_velocity::RigidVelocity;
 use super::settings::{DeformableError, StepSettings};
-use super::state::{DeformableScratch, DeformableState};
 use crate::body::elements::Weight;
-use palpate_geometry::math::{Lane, Point3, Rows, Vector3};
+use palpate_geometry::math::{Lane, Point3};
 
 /// Marks a fixed coordinate where an index is expected.
 pub(super) const FIXED: u32 = u32::MAX;
@@ -171,182 +162,9 @@ impl Matter {
         self.coordinate_of_unknown.len()
     }
 
-    /// The state at the start: at rest, or launched.
-    pub fn rest_state(&self) -> DeformableState {
-        let mut state = DeformableState::default();
-        self.set_to_rest(&mut state);
-        state
-    }
-
-    /// Sets a state of this body back to rest. Allocates nothing.
-    pub fn set_to_rest(&self, state: &mut DeformableState) {
-        let DeformableState {
-            positions,
-            velocities,
-            rest_lengths,
-            plastic_strain,
-            contact_n,
-            pressures,
-            following,
-            caution,
-            still,
-            calm,
-            left_alone,
-            slept,
-        } = state;
-        contact_n.clear();
-        contact_n.resize(self.surface.len(), Vector3::zeros());
-        pressures.fill([0.0; 4]);
-        following.set_to_rest();
-        caution.set_to_rest();
-        positions.clone_from(&self.rest);
-        velocities.clear();
-        match &self.launch {
-            Some(launch) => velocities.extend(self.rest.iter().map(|x| launch.velocity(x))),
-            None => velocities.resize(self.rest.len(), Vector3::zeros()),
-        }
-        let rest: &[Lane] = match &self.flow {
-            Some(flow) => flow.rest(&self.law),
-            None => &[],
-        };
-        rest_lengths.clear();
-        rest_lengths.extend_from_slice(rest);
-        plastic_strain.clear();
-        plastic_strain.resize(self.strain_lanes(), [0.0; 4]);
-        (*still, *calm, *left_alone, *slept) = (0, Calm::default(), false, 0);
-    }
-
-    /// Buffers; call [`super::Deformable::predict`] before the first step.
-    pub fn scratch(&self) -> DeformableScratch {
-        let count = self.rest.len();
-        let nodes = match &self.map {
-            NodeMap::Same => 0,
-            NodeMap::Sparse(map) => map.rows(),
-        };
-        DeformableScratch {
-            predicted: self.rest.clone(),
-            forces: vec![Vector3::zeros(); count],
-            loaded: Vec::with_capacity(self.coordinate_of_control.len()),
-            is_loaded: vec![false; count],
-            handled: false,
-            coordinates: Rows::zeros(count),
-            nodes: Rows::zeros(nodes),
-            residual: Rows::zeros(count),
-            node_residual: Rows::zeros(nodes),
-            springs: self.law.springs.buffers(),
-            speed: vec![Vector3::zeros(); count],
-            ahead: vec![Vector3::zeros(); count],
-            reached: self.rest.clone(),
-            carried: Vec::with_capacity(2 * self.surface.len()),
-            at_rest: false,
-            before: Before::default(),
-            looked: Vec::new(),
-            changed: Vec::with_capacity(2 * self.surface.len()),
-            arrived: false,
-            share: 1.0,
-            rigid: None,
-            shortened: false,
-            follows: Follows::On,
-            turning: None,
-            implicit: ImplicitScratch::default(),
-            pull: Rows::zeros(count),
-            field: Field::default(),
-            flow: vec![[0.0; 4]; self.strain_lanes()],
-        }
-    }
-
     /// Number of lanes of plastic strains; none without flow.
-    fn strain_lanes(&self) -> usize {
+    pub fn strain_lanes(&self) -> usize {
         (self.flow.as_ref()).map_or(0, |flow| flow.strain_lanes(&self.law))
-    }
-
-    /// Lengths of the springs without force, or metrics of cells that flow.
-    pub fn rest_lengths<'a>(&'a self, state: &'a DeformableState) -> &'a [Lane] {
-        if self.flow.is_some() {
-            &state.rest_lengths
-        } else {
-            self.law.springs.rest()
-        }
-    }
-
-    /// Adds Wᵀ of the law's forces at the coordinates of the scratch to its residual.
-    pub fn add_law_forces(&self, state: &DeformableState, scratch: &mut DeformableScratch) {
-        self.add_forces(state, scratch, false);
-    }
-
-    /// Adds them under the pressures of the step, and leaves the gaps of these in the scratch.
-    pub fn add_step_forces(&self, state: &DeformableState, scratch: &mut DeformableScratch) {
-        self.add_forces(state, scratch, true);
-    }
-
-    fn add_forces(&self, state: &DeformableState, scratch: &mut DeformableScratch, unknown: bool) {
-        let rest = self.rest_lengths(state);
-        let DeformableScratch {
-            coordinates,
-            nodes,
-            residual,
-            node_residual,
-            springs,
-            implicit,
-            ..
-        } = scratch;
-        let given = unknown.then_some(Given {
-            pressures: &implicit.pressures,
-            gaps: &mut implicit.gaps,
-        });
-        match &self.map {
-            NodeMap::Same => {
-                (self.law).add_forces(rest, given, coordinates, residual, springs);
-            }
-            NodeMap::Sparse(map) => {
-                map.apply(coordinates, nodes);
-                node_residual.fill([0.0; 4]);
-                (self.law).add_forces(rest, given, nodes, node_residual, springs);
-                map.add_transposed(node_residual, residual);
-            }
-        }
-    }
-
-    /// The rigid motion of a free body at a state.
-    pub fn turning(&self, state: &DeformableState) -> Option<RigidVelocity> {
-        let (places, velocities) = (&state.positions, &state.velocities);
-        (self.is_free()).then(|| Momentum::of(self, places, velocities).rigid(self, places))
-    }
-
-    /// Moves the coordinates of the scratch, at which the law is asked, from where the step has come ahead by d ẋ,
-    /// without that of rigid motion: the force there is f − d K ẋ to first order, that of a Voigt solid.
-    pub fn look_ahead(&self, state: &DeformableState, scratch: &mut DeformableScratch) {
-        let share = self.damping_s / self.settings.dt_s;
-        let moved = scratch.reached.iter().zip(&state.positions);
-        for ((z, x), lane) in moved.zip(scratch.coordinates.iter_mut()) {
-            let mut ahead = (z - x) * share;
-            if let Some(turning) = &scratch.turning {
-                let middle = nalgebra::center(x, z) - turning.linear * (0.5 * self.settings.dt_s);
-                ahead -= turning.velocity(&middle) * self.damping_s;
-            }
-            let at = z + ahead;
-            *lane = [at.x, at.y, at.z, 0.0];
-        }
-    }
-
-    /// [`Matter::look_ahead`] for springs: less far where neighbours part or meet, since far ahead cells turn over.
-    pub fn look_ahead_short(
-        &self,
-        look_ahead: &LookAhead,
-        state: &DeformableState,
-        scratch: &mut DeformableScratch,
-    ) {
-        let share = self.damping_s / self.settings.dt_s;
-        lanes(&scratch.reached, &mut scratch.coordinates);
-        let moved = scratch.reached.iter().zip(&state.positions);
-        for ((z, x), ahead) in moved.zip(&mut scratch.ahead) {
-            *ahead = (z - x) * share;
-            if let Some(turning) = &scratch.turning {
-                let middle = nalgebra::center(x, z) - turning.linear * (0.5 * self.settings.dt_s);
-                *ahead -= turning.velocity(&middle) * self.damping_s;
-            }
-        }
-        look_ahead.add(&scratch.ahead, &mut scratch.coordinates);
     }
 
     /// W q, in the buffer where nodes are not the coordinates.

@@ -1,15 +1,11 @@
-//! What a replay restores of a deforming body, and the buffers of its step.
+//! What a replay restores of a deforming body.
 
-use super::before::Before;
 use super::calm::{Calm, STILL_STEPS};
-use super::caution::{Caution, ImplicitScratch};
-use super::elements::spring_table::ByCoordinate;
-use super::field::Field;
-use super::follow::{Following, Follows};
-use super::guard::RigidStep;
-use super::rigid_velocity::RigidVelocity;
+use super::caution::Caution;
+use super::following::Following;
+use super::matter::Matter;
 use crate::in_place::clone_in_place;
-use palpate_geometry::math::{Lane, Point3, Rows, Vector3};
+use palpate_geometry::math::{Lane, Point3, Vector3};
 use palpate_geometry::stateful;
 
 /// What a replay restores.
@@ -123,58 +119,58 @@ stateful!(DeformableState, |this, walk| {
     walk.word(slept)
 });
 
-/// Buffers of a body's step.
-#[derive(Clone, Debug)]
-pub struct DeformableScratch {
-    /// (coordinates): x*, the next free motion, by [`super::Deformable::predict`].
-    pub predicted: Vec<Point3>,
-    /// (coordinates): where a step of a few iterations is so far, contact forces included.
-    pub(super) reached: Vec<Point3>,
-    /// Contact forces that the last correction knew, by coordinate of the net.
-    pub(super) carried: Vec<(u32, Vector3)>,
-    /// The scratch stands for a sleeping body already.
-    pub(super) at_rest: bool,
-    /// Of steps of several iterations: where the last look was, and the pressures at this one.
-    pub(super) before: Before,
-    pub(super) looked: Vec<Lane>,
-    /// Room for what contact changes of them.
-    pub(super) changed: Vec<(u32, Vector3)>,
-    /// The step has taken its contact forces.
-    pub(super) arrived: bool,
-    /// The share of its motion then that the body can follow, and the rigid part of that motion, if it is free.
-    pub(super) share: f64,
-    pub(super) rigid: Option<RigidStep>,
-    /// The step was shortened.
-    pub(super) shortened: bool,
-    /// What the last step found of its matrix.
-    pub(super) follows: Follows,
-    /// The rigid motion of a free body at the start of its step.
-    pub(super) turning: Option<RigidVelocity>,
-    pub(super) implicit: ImplicitScratch,
-    /// (coordinates), N: contact forces, by the caller, used up by [`super::Deformable::advance`].
-    pub(super) forces: Vec<Vector3>,
-    /// Coordinates with a force, in the order they were given, and whether a coordinate is among
-    /// them.
-    pub(super) loaded: Vec<u32>,
-    pub(super) is_loaded: Vec<bool>,
-    /// A tool gave some of them.
-    pub(super) handled: bool,
-    /// (coordinates) and (nodes), x y z 0; the second is empty when nodes are coordinates.
-    pub(super) coordinates: Rows,
-    pub(super) nodes: Rows,
-    /// (coordinates) and (nodes), N.
-    pub(super) residual: Rows,
-    pub(super) node_residual: Rows,
-    /// Of the force pass over springs.
-    pub(super) springs: ByCoordinate,
-    /// (coordinates), m/s: velocities within a tick of substeps.
-    pub(super) speed: Vec<Vector3>,
-    /// (coordinates), m: how far damping looks ahead.
-    pub(super) ahead: Vec<Vector3>,
-    /// (coordinates): what closing the gaps of pressures pulls, N, or how far it moves, m, in the frame of the matrix.
-    pub(super) pull: Rows,
-    /// What free points feel.
-    pub(super) field: Field,
-    /// Plastic strains within a step; empty unless the body flows.
-    pub(super) flow: Vec<Lane>,
+impl Matter {
+    /// The state at the start: at rest, or launched.
+    pub fn rest_state(&self) -> DeformableState {
+        let mut state = DeformableState::default();
+        self.set_to_rest(&mut state);
+        state
+    }
+
+    /// Sets a state of this body back to rest. Allocates nothing.
+    pub fn set_to_rest(&self, state: &mut DeformableState) {
+        let DeformableState {
+            positions,
+            velocities,
+            rest_lengths,
+            plastic_strain,
+            contact_n,
+            pressures,
+            following,
+            caution,
+            still,
+            calm,
+            left_alone,
+            slept,
+        } = state;
+        contact_n.clear();
+        contact_n.resize(self.surface.len(), Vector3::zeros());
+        pressures.fill([0.0; 4]);
+        following.set_to_rest();
+        caution.set_to_rest();
+        positions.clone_from(&self.rest);
+        velocities.clear();
+        match &self.launch {
+            Some(launch) => velocities.extend(self.rest.iter().map(|x| launch.velocity(x))),
+            None => velocities.resize(self.rest.len(), Vector3::zeros()),
+        }
+        let rest: &[Lane] = match &self.flow {
+            Some(flow) => flow.rest(&self.law),
+            None => &[],
+        };
+        rest_lengths.clear();
+        rest_lengths.extend_from_slice(rest);
+        plastic_strain.clear();
+        plastic_strain.resize(self.strain_lanes(), [0.0; 4]);
+        (*still, *calm, *left_alone, *slept) = (0, Calm::default(), false, 0);
+    }
+
+    /// Lengths of the springs without force, or metrics of cells that flow.
+    pub fn rest_lengths<'a>(&'a self, state: &'a DeformableState) -> &'a [Lane] {
+        if self.flow.is_some() {
+            &state.rest_lengths
+        } else {
+            self.law.springs.rest()
+        }
+    }
 }

@@ -4,8 +4,9 @@ use super::core::SurfaceBlocks;
 use super::explicit::Explicit;
 use super::implicit::ImplicitStep;
 use super::matter::Matter;
+use super::scratch::DeformableScratch;
 use super::settings::{DeformableError, Integrator};
-use super::state::{DeformableScratch, DeformableState};
+use super::state::DeformableState;
 use super::xpbd::Xpbd;
 use palpate_geometry::math::Vector3;
 

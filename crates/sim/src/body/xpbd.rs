@@ -5,8 +5,9 @@
 
 use super::matter::Matter;
 use super::node_map::NodeMap;
+use super::scratch::DeformableScratch;
 use super::settings::DeformableError;
-use super::state::{DeformableScratch, DeformableState};
+use super::state::DeformableState;
 
 /// Constants of the method.
 #[derive(Debug)]

@@ -113,10 +113,6 @@ const KNOWN: &[(&str, &str)] = &[
         "slabs that a tool has left creep at more than 0.1 µm/s for seconds, so that nine of a hundred are awake",
     ),
     (
-        "hard/jumps/continuum/implicit",
-        "a ball that jumps a metre a tick throws points farther than a body may come apart: each time a fault of the tick",
-    ),
-    (
         "hard/own-weight/lattice/implicit",
         "flat cells of springs sag more than twice as far as a free column of the material",
     ),

@@ -5,8 +5,9 @@ use crate::body::cells::{Cell, CellQuality};
 use crate::body::field::Field;
 use crate::body::matter::Grain;
 use crate::body::node_map::NodeMap;
+use crate::body::scratch::DeformableScratch;
 use crate::body::settings::FallBack;
-use crate::body::state::{DeformableScratch, DeformableState};
+use crate::body::state::DeformableState;
 use palpate_geometry::math::{Lane, Matrix3, Point3, Vector3};
 
 impl Deformable {

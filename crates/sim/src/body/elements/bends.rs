@@ -10,7 +10,7 @@
 //! off as a first derivative: v − p (x₊ − x₋) − q (x_r − x_l), with the neighbours left and right of
 //! the row. Around a flat pole that makes w′/r of the deflection w, the curvature around.
 
-use super::{Edge, ForceLaw, Place};
+use super::law::{Edge, ForceLaw, Place};
 use crate::body::sheet::Row;
 use palpate_geometry::math::{Lane, Matrix3, Point3, Vector3};
 

@@ -3,9 +3,11 @@
 use super::{Kind, TAUT};
 use crate::body::core::{Core, Factor, SurfaceBlocks};
 use crate::body::elements::{Edge, Place, Weight};
-use crate::body::follow::{self, Cells, Shape};
+use crate::body::follow;
+use crate::body::following::Shape;
 use crate::body::frame::IDENTITY;
 use crate::body::frames::Frames;
+use crate::body::grown::Cells;
 use crate::body::matter::{Matter, lanes_of};
 use crate::body::scalar_factor::ScalarFactor;
 use crate::body::settings::DeformableError;

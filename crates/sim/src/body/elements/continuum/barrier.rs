@@ -9,7 +9,7 @@ use super::elastic::Elastic;
 use super::kernel::{self, times};
 use super::rest::RestCell;
 use crate::body::cells::Cell;
-use crate::body::elements::{Edge, ForceLaw, Place};
+use crate::body::elements::law::{Edge, ForceLaw, Place};
 use palpate_geometry::math::lanes::{Baseline, Four, Lanes};
 use palpate_geometry::math::{Lane, Matrix3, Point3};
 

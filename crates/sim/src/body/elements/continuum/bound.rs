@@ -2,7 +2,7 @@
 
 use super::ContinuumLaw;
 use super::rest::RestCell;
-use crate::body::elements::{Edge, ForceLaw, Place};
+use crate::body::elements::law::{Edge, ForceLaw, Place};
 use palpate_geometry::math::{Lane, Matrix3};
 use std::collections::BTreeMap;
 

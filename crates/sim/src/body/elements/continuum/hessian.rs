@@ -5,7 +5,7 @@ use super::kernel::grown;
 use super::rest::{sign, slope};
 use super::{ContinuumLaw, Points};
 use crate::body::cells::Cell;
-use crate::body::elements::Place;
+use crate::body::elements::law::Place;
 use nalgebra::{SMatrix, SymmetricEigen};
 use palpate_geometry::math::lanes::{Baseline, Four, Lanes};
 use palpate_geometry::math::{Lane, Matrix3, Vector3};

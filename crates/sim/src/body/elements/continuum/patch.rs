@@ -214,7 +214,7 @@ mod tests {
     use super::super::{ContinuumLaw, Given, add_forces};
     use super::*;
     use crate::body::CubeLattice;
-    use crate::body::elements::Place;
+    use crate::body::elements::law::Place;
     use palpate_geometry::math::lanes::Baseline;
     use palpate_geometry::math::{Matrix3, Point3, Vector3};
 

@@ -7,7 +7,7 @@
 mod panels;
 mod pull;
 
-use super::Place;
+use super::law::Place;
 use super::springs::Spring;
 use crate::body::material::Stiffening;
 use palpate_geometry::math::lanes::{Baseline, Four, Lanes};
