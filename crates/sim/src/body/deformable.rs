@@ -283,6 +283,7 @@ impl Deformable {
         if scratch.loaded.is_empty() && self.asleep(state) {
             return;
         }
+        scratch.at_rest = false;
         self.take_contact(implicit, scratch);
         scratch.arrived = true;
         let [_, with_contact] = implicit.limits(&self.matter);

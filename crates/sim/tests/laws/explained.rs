@@ -1,7 +1,7 @@
 //! A force explains itself: the numbers of its rows are closed forms, and bodies say what their step leaves.
 
 use crate::common::World;
-use palpate_geometry::math::Random;
+use palpate_geometry::math::{Random, Vector3};
 use palpate_sim::tick::explain::{Explanation, RowExplained};
 use palpate_sim::tick::flags::DEGRADED;
 use palpate_sim::tick::record::{Command, TickOutput};
@@ -161,14 +161,18 @@ fn on_a_rigid_floor_the_force_is_the_gap_over_the_compliance_of_the_coupling() {
 
 /// A soft block on its base with so many iterations, and a ball over it.
 fn soft(model: &str, iterations: u32) -> World {
-    World::new(&format!(
+    World::new(&soft_text(model, iterations))
+}
+
+fn soft_text(model: &str, iterations: u32) -> String {
+    format!(
         "[[body]]\nid = \"block\"\nsurface = {{ builtin = \"sheet\", net = [8, 8], size = 0.06 }}\nmodel = {model:?}\n\
          material = {{ young_pa = 20e3, damping_s = 2e-3 }}\nintegrator = {{ iterations = {iterations} }}\n\
          lattice = {{ layers = 2, thickness_m = 0.02, refine = \"none\" }}\n\
          fixed = [{{ point = [0.0, 0.0, -0.019], normal = [0.0, 0.0, 1.0] }}]\n\
          [[tool]]\nid = \"hand\"\nshape = {{ sphere = {{ radius_m = 0.01 }} }}\npose = {{ position = [0.0, 0.0, 0.03] }}\n\
          coupling = {{ stiffness_n_m = 1000.0, damping_n_s_m = 0.0 }}\n"
-    ))
+    )
 }
 
 #[test]
@@ -247,4 +251,36 @@ fn a_force_under_lowered_quality_is_degraded_where_it_touches_and_nowhere_else()
         Command::Quality(quality::ONE_ITERATION),
     );
     assert!(!degraded(&mut world, inside));
+}
+
+// A hit of 1000 N on a body of 50 g, asleep or not, is more than a tick can follow: what is out is what acts, and flagged.
+#[test]
+fn a_hit_that_a_body_cannot_follow_is_degraded_whether_it_slept_or_not() {
+    for model in ["lattice", "continuum", "net"] {
+        for asleep in [true, false] {
+            let strong = "device = { force_max_n = 1e3, ramp_s = 0.0, speed_max_m_s = 1e6 }\n";
+            let text = soft_text(model, 1).replace("n_m = 1000.0", "n_m = 1e8");
+            let mut world = World::new(&(text + strong));
+            let place = |z: f64| [0.001, 0.002, z];
+            if asleep {
+                (0..300).for_each(|_| {
+                    world.at(place(0.03));
+                });
+            } else {
+                (0..=20).for_each(|k| {
+                    world.at(place(0.03 - 1.005e-3 * f64::from(k)));
+                });
+            }
+            let state = world.state.bodies[0].deformable.as_ref().unwrap();
+            assert_eq!(state.still >= 100, asleep, "{model}: {}", state.still);
+            let tool = world.at(place(-0.2)).tools[0].clone();
+            assert!(
+                tool.flags & DEGRADED != 0,
+                "{model}, asleep {asleep}: {tool:?}"
+            );
+            let state = world.state.bodies[0].deformable.as_ref().unwrap();
+            let taken: Vector3 = state.contact_n.iter().sum();
+            near(-taken.z, tool.contact_force_n.z, "what the body took");
+        }
+    }
 }
