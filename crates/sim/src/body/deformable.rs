@@ -199,7 +199,7 @@ impl Deformable {
             scratch.predicted[c as usize] += *moved;
         }
         if first {
-            let [by_itself, _] = implicit.limits(&self.matter);
+            let [by_itself, _] = implicit.limits();
             let share = self.share_within(by_itself, state, scratch);
             if share < 1.0 {
                 self.go_back(state, scratch, share);
@@ -286,7 +286,7 @@ impl Deformable {
         scratch.at_rest = false;
         self.take_contact(implicit, scratch);
         scratch.arrived = true;
-        let [_, with_contact] = implicit.limits(&self.matter);
+        let [_, with_contact] = implicit.limits();
         scratch.share = self.share_within(with_contact, state, scratch);
     }
 

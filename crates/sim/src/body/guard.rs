@@ -22,27 +22,38 @@ pub(super) struct Limit {
 }
 
 impl Limit {
-    /// That of a body of springs, by itself and with contact.
-    pub const OF_SPRINGS: Self = Self {
+    /// Those of a body of springs, which see to how far ahead they are asked themselves.
+    pub const OF_SPRINGS: [Self; 2] = [Self {
         times: 1.0,
         most: 0.35,
-    };
-    /// A continuum once contact has moved it, where it comes to: where the law is asked, one that is damped much could
-    /// not get out of the way. With 0.2 one of ν = 0.499 that is poked at random turns cells inside out.
-    pub const WITH_CONTACT: Self = Self {
-        times: 1.0,
-        most: 0.15,
-    };
-
-    /// A continuum by itself, where the law is asked, `ahead` times as far. With 0.35 one of six that were poked at
-    /// random at ν = 0.499 kept cells inside out.
-    pub fn of_continuum(ahead: f64) -> Self {
-        Self {
-            times: ahead,
-            most: 0.25,
-        }
+    }; 2];
+    /// A continuum by itself, where the law is asked, `ahead` times as far; and once contact has moved it, where it comes
+    /// to, since one that is damped much could not get out of the way where the law is asked. `poisson`: the largest ν of
+    /// its cells.
+    pub fn of_continuum(ahead: f64, poisson: f64) -> [Self; 2] {
+        let [by_itself, with_contact] = match poisson > NEARLY_INCOMPRESSIBLE {
+            true => FIRM,
+            false => SOFT,
+        };
+        [
+            Self {
+                times: ahead,
+                most: by_itself,
+            },
+            Self {
+                times: 1.0,
+                most: with_contact,
+            },
+        ]
     }
 }
+
+/// Above it a volume that a step misses by a thousandth presses as much as any strain.
+const NEARLY_INCOMPRESSIBLE: f64 = 0.49;
+/// Of bodies up to there, by themselves and with contact: with 0.15 a ball that is dropped loses a tenth of its height.
+const SOFT: [f64; 2] = [0.35, 0.2];
+/// Of those beyond: with 0.35, or with 0.2, one of six that were poked at random kept cells inside out.
+const FIRM: [f64; 2] = [0.25, 0.15];
 
 /// Cells of a solid, four side by side, the smallest first.
 #[derive(Debug)]

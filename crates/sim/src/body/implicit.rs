@@ -78,6 +78,7 @@ pub(super) struct ImplicitStep {
     cores: Vec<Core>,
     frames: Frames,
     iterations: usize,
+    limits: [Limit; 2],
     springs: Option<Springs>,
 }
 
@@ -142,6 +143,13 @@ impl ImplicitStep {
             cores,
             frames: Frames::new(matter),
             iterations,
+            limits: match &matter.law.continuum {
+                Some(law) => {
+                    let ahead = 1.0 + matter.damping_s / matter.settings.dt_s;
+                    Limit::of_continuum(ahead, law.largest_poisson())
+                }
+                None => Limit::OF_SPRINGS,
+            },
             springs,
         })
     }
@@ -215,15 +223,8 @@ impl ImplicitStep {
     }
 
     /// How much the body may strain in a step, by itself and then with its contacts.
-    pub(super) fn limits(&self, matter: &Matter) -> [Limit; 2] {
-        match self.kind {
-            Kind::Continuum => {
-                let ahead = 1.0 + matter.damping_s / matter.settings.dt_s;
-                [Limit::of_continuum(ahead), Limit::WITH_CONTACT]
-            }
-            // They see to how far ahead they are asked themselves.
-            Kind::Lattice | Kind::Sheet => [Limit::OF_SPRINGS; 2],
-        }
+    pub(super) fn limits(&self) -> [Limit; 2] {
+        self.limits
     }
 
     /// Springs have a tangent, and something to fall back on where it cannot follow them.

@@ -224,6 +224,12 @@ impl ContinuumLaw {
         self.cells.len()
     }
 
+    /// The largest ν of its cells.
+    pub(in crate::body) fn largest_poisson(&self) -> f64 {
+        let each = self.materials.iter().map(|elastic| elastic.poisson);
+        each.fold(0.0, f64::max)
+    }
+
     /// Rest positions, m.
     pub fn rest(&self) -> &[Point3] {
         &self.rest
