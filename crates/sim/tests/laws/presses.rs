@@ -103,11 +103,12 @@ fn a_fast_press_is_right_after_one_iteration_whatever_the_compressibility() {
                     100.0 * end,
                     peak(&given)
                 );
-                // Two iterations of a net that is pressed so deep strain its smallest cells by more than a step may: it is
-                // shortened, and off by 5 %.
-                let shortened = model == "net" && iterations == 2 && depth_m > 5e-3;
+                // Two iterations of a nearly incompressible net that is pressed so deep strain its smallest cells by more
+                // than a step may: it is shortened, and off by 5 %.
+                let shortened =
+                    model == "net" && poisson > 0.49 && iterations == 2 && depth_m > 5e-3;
                 let (most, most_end) = if shortened {
-                    (0.06, 0.08)
+                    (0.05, 0.05)
                 } else {
                     (0.02, most_end)
                 };
