@@ -233,7 +233,7 @@ fn holder_keeps_its_tool() -> bool {
         let share = (came.elapsed().as_secs_f64() / 0.3).min(1.0);
         let place = [0, 1, 2].map(|c| AWAY[c] + share * (PRESSED[c] - AWAY[c]));
         match tool.send(pose_at(place)) {
-            Ok(()) => {}
+            Ok(_) => {}
             Err(ClientError::Held { .. }) => return false,
             Err(error) => panic!("{error}"),
         }
