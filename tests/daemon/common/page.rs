@@ -155,6 +155,22 @@ impl Page {
         panic!("never saw {what}, but {keys:?}");
     }
 
+    /// The first frame from place `from` of those seen on that `take` takes: what a command changes may come before its
+    /// answer.
+    pub fn until_from<T>(
+        &mut self,
+        from: usize,
+        what: &str,
+        mut take: impl FnMut(&str, &[u8]) -> Option<T>,
+    ) -> T {
+        let early = self.seen[from..].iter();
+        let early = early.map(|(key, payload)| take(key, payload));
+        match early.flatten().next() {
+            Some(taken) => taken,
+            None => self.until(what, take),
+        }
+    }
+
     /// The next message of a key.
     pub fn message<M: Message>(&mut self, key: &str) -> M {
         self.until(key, |got, payload| {

@@ -172,14 +172,15 @@ fn a_tool_whose_hand_left_touches_nothing_and_a_reset_takes_its_last_force_away(
     assert!(press(&mut page, 60) > 0.05);
     page.send("tool/ball/release", &[]);
     event(&mut page, "its loss", lost);
-    let force = |page: &mut Page, what: &str, wanted: fn(&ToolForce) -> bool| {
-        page.until(what, |key, payload| {
+    let force = |page: &mut Page, from: usize, what: &str, wanted: fn(&ToolForce) -> bool| {
+        page.until_from(from, what, |key, payload| {
             (key == "tool/ball/force").then_some(())?;
             let force: ToolForce = decode(payload, "").unwrap();
             wanted(&force).then_some(force)
         })
     };
-    let gone = force(&mut page, "a force that has faded", |force| {
+    let now = page.seen.len();
+    let gone = force(&mut page, now, "a force that has faded", |force| {
         force.flags & force_flags::RAMPING == 0
     });
     assert_eq!(gone.flags, force_flags::STALE);
@@ -187,8 +188,9 @@ fn a_tool_whose_hand_left_touches_nothing_and_a_reset_takes_its_last_force_away(
         (gone.contact_count, gone.depth, gone.force),
         (0, 0.0, [0.0; 3])
     );
+    let now = page.seen.len();
     assert_eq!(page.call("reset", "{}")["ok"], true);
-    let reset = force(&mut page, "a force without a pose", |force| {
+    let reset = force(&mut page, now, "a force without a pose", |force| {
         force.pose_seq == 0
     });
     assert_eq!(

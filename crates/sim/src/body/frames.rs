@@ -357,7 +357,7 @@ impl Stiffness {
         };
         let most_pa = young_pa.values().copied().fold(0.0, f64::max);
         let share = |j: u32| young_pa.get(&j).map_or(0.0, |young_pa| young_pa / most_pa);
-        near.sort_by_key(|&(j, _)| (-share(j).log10()).round() as u32);
+        near.sort_by_key(|&(j, _)| (-libm::log10(share(j))).round() as u32);
         for (j, weight) in &mut near {
             *weight *= share(*j);
         }

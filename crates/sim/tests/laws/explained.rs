@@ -273,7 +273,7 @@ fn a_hit_that_a_body_cannot_follow_is_degraded_whether_it_slept_or_not() {
             }
             let state = world.state.bodies[0].deformable.as_ref().unwrap();
             assert_eq!(state.still >= 100, asleep, "{model}: {}", state.still);
-            let tool = world.at(place(-0.2)).tools[0].clone();
+            let tool = world.at(place(-0.2)).tools[0];
             assert!(
                 tool.flags & DEGRADED != 0,
                 "{model}, asleep {asleep}: {tool:?}"
