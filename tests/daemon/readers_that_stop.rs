@@ -3,7 +3,7 @@
 //! Readers reach the daemon through a tap: a socket between them that stops carrying what the daemon sends,
 //! while everything that they ask still comes in.
 
-use crate::daemon::{Daemon, free_port};
+use crate::daemon::{Daemon, free_port, quiet};
 use crate::scenes::{RIGID_TEARDROP, with_large_net};
 use palpate_client::Palpate;
 use palpate_client::proto::messages::{EventKind, LoopState};
@@ -123,6 +123,7 @@ fn commanded(palpate: &Palpate, call: Call, late: &Lateness) -> Duration {
 
 #[test]
 fn a_pause_and_a_shutdown_wait_for_no_reader_that_has_stopped() {
+    let _quiet = quiet();
     let scene = with_large_net();
     let directory = tempfile::tempdir().unwrap();
     let daemon = Daemon::start(directory.path(), &scene, &[]);

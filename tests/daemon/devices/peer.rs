@@ -63,8 +63,16 @@ impl Peer {
             role: Role::Client,
             ..Default::default()
         };
+        // A router that has just been started may not answer yet.
+        let session = (0..50).find_map(|_| {
+            let opened = open(&settings).ok();
+            if opened.is_none() {
+                std::thread::sleep(Duration::from_millis(100));
+            }
+            opened
+        });
         Self {
-            session: open(&settings).unwrap(),
+            session: session.unwrap_or_else(|| panic!("nobody answers at {endpoint}")),
             gid: [7; 16],
             sequence: std::cell::Cell::new(1),
         }
