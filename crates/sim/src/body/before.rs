@@ -5,13 +5,15 @@
 
 use palpate_geometry::math::{Lane, Point3, Vector3};
 
-/// A step of several iterations where it is looked at.
+/// Where a step of several iterations is when its residual is looked at.
 pub(super) struct Look<'a> {
+    /// (coordinates), m: with contact forces, and without what these changed.
     pub reached: &'a mut [Point3],
     pub predicted: &'a mut [Point3],
-    /// At this look, and after its correction.
+    /// Pressures at this look, and after its correction, Pa.
     pub looked: &'a [Lane],
     pub pressures: &'a mut [Lane],
+    /// Contact forces by coordinate, ascending, N.
     pub carried: &'a mut Vec<(u32, Vector3)>,
 }
 
@@ -27,7 +29,7 @@ pub(super) struct Before {
 }
 
 impl Before {
-    /// Room for so many coordinates, and these.
+    /// Buffers for a body with these places and pressures, and room for so many contact forces.
     pub fn new(places: &[Point3], pressures: &[Lane], forces: usize) -> Self {
         Self {
             reached: places.to_vec(),

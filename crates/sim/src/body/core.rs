@@ -165,6 +165,6 @@ impl SurfaceBlocks {
     }
 }
 
-/// A matrix that was made elsewhere.
+/// A matrix that was made beside the loop, to be taken over by a step.
 #[derive(Clone, Debug)]
 pub struct Made(pub(super) Arc<Core>);

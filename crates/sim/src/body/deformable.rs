@@ -5,14 +5,16 @@
 //! operator by which the step itself answers loads: its blocks between coordinates of the net are
 //! kept from the start.
 
+mod compliance;
+mod loads;
 mod queries;
+mod sleep;
 
 use super::before::Before;
 use super::calm::{Outline, STILL_STEPS};
 use super::core::{Made, SurfaceBlocks};
 use super::field::Field;
 use super::following::{Following, Follows};
-use super::frame::{Frame, IDENTITY, from_rest, into_rest};
 use super::guard::{Guard, Limit, RigidStep};
 use super::implicit::ImplicitStep;
 use super::material::Plastic;
@@ -23,11 +25,7 @@ use super::scratch::DeformableScratch;
 use super::settings::{DeformableError, StepSettings};
 use super::state::DeformableState;
 use super::stepper::Stepper;
-use crate::solve::rigid_part::RigidPart;
 use palpate_geometry::math::{Point3, Vector3};
-
-/// Of the weight of a body that lies on others: how far its contact forces may be from bearing it.
-const BORNE: f64 = 5e-3;
 
 /// Constants of a body.
 #[derive(Debug)]
@@ -548,193 +546,6 @@ impl Deformable {
             &mut state.plastic_strain,
             changes,
         )
-    }
-
-    /// What moves no more for a while falls asleep; it wakes by a touch.
-    /// `busy`: it flowed, or a tool touched it; `balanced`: as [`Deformable::is_borne`].
-    fn count_still(&self, state: &mut DeformableState, touched: bool, busy: bool, balanced: bool) {
-        let limit = self.matter.settings.sleep_m_s * self.matter.settings.sleep_m_s;
-        let squares = state.velocities.iter().map(|v| v.norm_squared());
-        // What is not a number is not slow.
-        let fastest = squares.fold(0.0, |most, v| if v > most || v.is_nan() { v } else { most });
-        let still = !(touched || busy) && fastest <= limit && limit > 0.0;
-        state.still = match still {
-            true => (state.still + 1).min(STILL_STEPS),
-            false => 0,
-        };
-        if busy || !touched {
-            state.calm.steps = 0;
-        } else {
-            let Matter { rest, settings, .. } = &self.matter;
-            let (sleep_m_s, dt_s) = (settings.sleep_m_s, settings.dt_s);
-            let (positions, fastest) = (&state.positions, fastest.sqrt());
-            (state.calm).count(
-                &self.outline,
-                rest,
-                positions,
-                fastest,
-                balanced,
-                sleep_m_s,
-                dt_s,
-            );
-        }
-        if state.still == STILL_STEPS {
-            state.velocities.fill(Vector3::zeros());
-        }
-    }
-
-    /// False where the contact forces of the step are known and are not, within [`BORNE`], those that
-    /// hold the body up: contacts tremble, and their forces with them.
-    fn is_borne(&self, state: &DeformableState, scratch: &DeformableScratch) -> bool {
-        if !(self.matter.is_free() && matches!(self.stepper, Stepper::Implicit(_))) {
-            return true;
-        }
-        let (mut weight, mut weight_n) = (Vector3::zeros(), 0.0);
-        let places = state.positions.iter().zip(&state.velocities);
-        for ((place, velocity), mass) in places.zip(&self.matter.masses) {
-            let part = scratch.field.at(place, velocity) * *mass;
-            weight += part;
-            weight_n += part.norm();
-        }
-        let borne: Vector3 = state.contact_n.iter().sum();
-        (weight + borne).norm() <= BORNE * weight_n
-    }
-
-    /// True when steps are skipped until something touches the body.
-    pub fn asleep(&self, state: &DeformableState) -> bool {
-        state.still >= STILL_STEPS || state.left_alone
-    }
-
-    /// Some of the forces of this step are a tool's.
-    pub fn handle(&self, scratch: &mut DeformableScratch) {
-        scratch.handled = true;
-    }
-
-    /// Adds a force (N) on a coordinate of the net for this step.
-    pub fn push(&self, scratch: &mut DeformableScratch, coordinate: usize, force: Vector3) {
-        debug_assert!(coordinate < self.coordinate_count(), "no such coordinate");
-        if self.column[coordinate] == FIXED {
-            return;
-        }
-        if !scratch.is_loaded[coordinate] {
-            scratch.is_loaded[coordinate] = true;
-            scratch.loaded.push(coordinate as u32);
-        }
-        scratch.forces[coordinate] += force;
-    }
-
-    /// Moves the forces given so far into `loads` (coordinates).
-    pub fn take_loads(&self, scratch: &mut DeformableScratch, loads: &mut [Vector3]) {
-        debug_assert_eq!(loads.len(), self.coordinate_count(), "a load a coordinate");
-        loads.fill(Vector3::zeros());
-        for coordinate in scratch.loaded.drain(..) {
-            let coordinate = coordinate as usize;
-            loads[coordinate] =
-                std::mem::replace(&mut scratch.forces[coordinate], Vector3::zeros());
-            scratch.is_loaded[coordinate] = false;
-        }
-    }
-
-    /// Gives back what [`Deformable::take_loads`] took.
-    pub fn give_loads(&self, scratch: &mut DeformableScratch, loads: &[Vector3]) {
-        debug_assert_eq!(loads.len(), self.coordinate_count(), "a load a coordinate");
-        for (coordinate, load) in loads
-            .iter()
-            .enumerate()
-            .filter(|(_, load)| **load != Vector3::zeros())
-        {
-            self.push(scratch, coordinate, *load);
-        }
-    }
-
-    /// Forgets what was prepared for another state.
-    pub fn forget(&self, scratch: &mut DeformableScratch) {
-        scratch.at_rest = false;
-        scratch.implicit.followed = None;
-        self.drop_loads(scratch);
-    }
-
-    /// Forgets the forces given so far.
-    pub fn drop_loads(&self, scratch: &mut DeformableScratch) {
-        scratch.handled = false;
-        for coordinate in scratch.loaded.drain(..) {
-            scratch.forces[coordinate as usize] = Vector3::zeros();
-            scratch.is_loaded[coordinate as usize] = false;
-        }
-    }
-
-    /// Place of a coordinate of the net among those that can move; `None` if it is fixed.
-    pub(crate) fn surface_place(&self, coordinate: usize) -> Option<usize> {
-        debug_assert!(coordinate < self.coordinate_count(), "no such coordinate");
-        let place = self.column[coordinate];
-        (place != FIXED).then_some(place as usize)
-    }
-
-    /// How a force held through the step on one coordinate of the net (by [`Deformable::surface_place`]) moves all of
-    /// them, m/N: blocks by columns, between the frames of the coordinates.
-    pub(crate) fn compliance_of<'a>(
-        &'a self,
-        scratch: &'a DeformableScratch,
-        place: usize,
-    ) -> &'a [[f32; 9]] {
-        match &self.stepper {
-            Stepper::Implicit(implicit) => implicit.core(&scratch.implicit).surface.column(place),
-            Stepper::Explicit(_) | Stepper::Xpbd(_) => self.by_trial.column(place),
-        }
-    }
-
-    /// The frame of a coordinate of the net in the step that the scratch stands for: rows of a rotation.
-    pub(crate) fn frame_of<'a>(&self, scratch: &'a DeformableScratch, place: usize) -> &'a Frame {
-        let coordinate = self.matter.surface[place] as usize;
-        match &self.stepper {
-            Stepper::Implicit(_) => {
-                (scratch.implicit).frame(self.matter.unknown[coordinate] as usize)
-            }
-            Stepper::Explicit(_) | Stepper::Xpbd(_) => &IDENTITY,
-        }
-    }
-
-    /// Finds how the rigid motions of a free body answer loads in the step that the scratch stands for: what touches it
-    /// asks for that.
-    pub(crate) fn find_rigid_part(&self, scratch: &mut DeformableScratch) {
-        if let Stepper::Implicit(implicit) = &self.stepper {
-            implicit.find_rigid_part(&self.matter, scratch);
-        }
-    }
-
-    /// What was found; `None` of a body that something holds.
-    pub(crate) fn rigid_part<'a>(&self, scratch: &'a DeformableScratch) -> Option<&'a RigidPart> {
-        let implicit = &scratch.implicit;
-        (implicit.inertia.is_some()).then_some(&implicit.rigid)
-    }
-
-    /// How a force (N) held through the step on one coordinate of the net moves another, m, without what rigid motions
-    /// add; `None` where either is fixed.
-    pub fn moved_by(
-        &self,
-        scratch: &DeformableScratch,
-        (from, force): (usize, &Vector3),
-        to: usize,
-    ) -> Option<Vector3> {
-        let (from, to) = (self.surface_place(from)?, self.surface_place(to)?);
-        let block = &self.compliance_of(scratch, from)[to];
-        let load = into_rest(
-            self.frame_of(scratch, from),
-            &[force.x, force.y, force.z, 0.0],
-        );
-        let along = |row: usize| {
-            (0..3)
-                .map(|c| f64::from(block[3 * c + row]) * load[c])
-                .sum()
-        };
-        let moved = [along(0), along(1), along(2), 0.0];
-        let [x, y, z, _] = from_rest(self.frame_of(scratch, to), &moved);
-        Some(Vector3::new(x, y, z))
-    }
-
-    /// Contact forces (N) by coordinate of the net with which the free motion of the scratch was predicted.
-    pub(crate) fn carried<'a>(&self, scratch: &'a DeformableScratch) -> &'a [(u32, Vector3)] {
-        &scratch.carried
     }
 
     /// Place of a coordinate among the free ones; `None` if it is fixed.

@@ -8,6 +8,7 @@ use super::rigid_motion::Momentum;
 use super::rigid_velocity::RigidVelocity;
 use super::scratch::DeformableScratch;
 use super::state::DeformableState;
+use palpate_geometry::math::{Point3, Vector3};
 
 impl Matter {
     /// Adds Wᵀ of the law's forces at the coordinates of the scratch to its residual.
@@ -54,18 +55,27 @@ impl Matter {
         (self.is_free()).then(|| Momentum::of(self, places, velocities).rigid(self, places))
     }
 
+    /// d ẋ of a coordinate that moves from one place to the other in a step, without that of rigid motion, m.
+    fn ahead(&self, turning: Option<RigidVelocity>) -> impl Fn(&Point3, &Point3) -> Vector3 {
+        let (damping_s, dt_s) = (self.damping_s, self.settings.dt_s);
+        let share = damping_s / dt_s;
+        move |x, z| {
+            let ahead = (z - x) * share;
+            let Some(turning) = &turning else {
+                return ahead;
+            };
+            let middle = nalgebra::center(x, z) - turning.linear * (0.5 * dt_s);
+            ahead - turning.velocity(&middle) * damping_s
+        }
+    }
+
     /// Moves the coordinates of the scratch, at which the law is asked, from where the step has come ahead by d ẋ,
     /// without that of rigid motion: the force there is f − d K ẋ to first order, that of a Voigt solid.
     pub fn look_ahead(&self, state: &DeformableState, scratch: &mut DeformableScratch) {
-        let share = self.damping_s / self.settings.dt_s;
+        let ahead = self.ahead(scratch.turning);
         let moved = scratch.reached.iter().zip(&state.positions);
         for ((z, x), lane) in moved.zip(scratch.coordinates.iter_mut()) {
-            let mut ahead = (z - x) * share;
-            if let Some(turning) = &scratch.turning {
-                let middle = nalgebra::center(x, z) - turning.linear * (0.5 * self.settings.dt_s);
-                ahead -= turning.velocity(&middle) * self.damping_s;
-            }
-            let at = z + ahead;
+            let at = z + ahead(x, z);
             *lane = [at.x, at.y, at.z, 0.0];
         }
     }
@@ -77,15 +87,11 @@ impl Matter {
         state: &DeformableState,
         scratch: &mut DeformableScratch,
     ) {
-        let share = self.damping_s / self.settings.dt_s;
+        let ahead = self.ahead(scratch.turning);
         lanes(&scratch.reached, &mut scratch.coordinates);
         let moved = scratch.reached.iter().zip(&state.positions);
-        for ((z, x), ahead) in moved.zip(&mut scratch.ahead) {
-            *ahead = (z - x) * share;
-            if let Some(turning) = &scratch.turning {
-                let middle = nalgebra::center(x, z) - turning.linear * (0.5 * self.settings.dt_s);
-                *ahead -= turning.velocity(&middle) * self.damping_s;
-            }
+        for ((z, x), to) in moved.zip(&mut scratch.ahead) {
+            *to = ahead(x, z);
         }
         look_ahead.add(&scratch.ahead, &mut scratch.coordinates);
     }
