@@ -119,21 +119,19 @@ pub(crate) fn slip(
     }
 }
 
-/// Where a row of this tick will stick in the next, if it did not slip.
-pub(crate) fn kept(i: usize, row: &Row, solver: &Solver) -> Stick {
+/// Where rows of this tick will stick in the next, now that forces are known: between bodies that is how far they have
+/// crept, and what slips sticks nowhere.
+pub(crate) fn settle(rows: &[Row], solver: &mut Solver) {
     let Solver {
-        friction, sticks, ..
+        problem, sticks, ..
     } = solver;
-    if friction.slips(i) || matches!(row.law, FrictionLaw::Grip { .. }) {
-        return Stick::default();
-    }
-    if row.tool().is_some() {
-        return sticks[i];
-    }
-    let (moved, normal) = (friction.displaced_m(i), friction.normal(i));
-    Stick {
-        offset: moved - normal * moved.dot(&normal),
-        ..Stick::default()
+    for (i, (row, stick)) in rows.iter().zip(sticks).enumerate() {
+        if problem.slips(i) {
+            *stick = Stick::default();
+        } else if row.tool().is_none() && row.law.acts_across() {
+            let moved = problem.displaced_m(i);
+            stick.offset = moved - row.normal * moved.dot(&row.normal);
+        }
     }
 }
 

@@ -17,6 +17,8 @@ pub struct WarmRow {
     pub force_n: f64,
     /// Across it, N.
     pub tangent_n: Vector3,
+    /// It had friction, or was of a grip: what follows of it counts.
+    pub rubs: bool,
     /// Where it sticks, unless it slips.
     pub stick: Stick,
     /// It slipped.
@@ -32,8 +34,6 @@ pub struct Warm {
     /// (rows of a tick at most): `len` are valid.
     rows: Vec<WarmRow>,
     len: usize,
-    /// Some of them had friction or a grip.
-    pub friction: bool,
     /// Some of them are of tools that may turn.
     pub arms: bool,
 }
@@ -44,7 +44,6 @@ impl Warm {
         Self {
             rows: vec![WarmRow::default(); most],
             len: 0,
-            friction: false,
             arms: false,
         }
     }
@@ -52,6 +51,12 @@ impl Warm {
     /// All of them.
     pub fn rows(&self) -> &[WarmRow] {
         &self.rows[..self.len]
+    }
+
+    /// A row, if it is among them.
+    pub fn of_row(&self, id: RowId) -> Option<&WarmRow> {
+        let found = self.rows().binary_search_by_key(&id, |row| row.id);
+        found.ok().map(|at| &self.rows[at])
     }
 
     /// Those of a pair.
@@ -63,12 +68,12 @@ impl Warm {
     /// No rows, and no trace of them.
     pub(crate) fn forget(&mut self) {
         self.rows.fill(WarmRow::default());
-        (self.len, self.friction, self.arms) = (0, false, false);
+        (self.len, self.arms) = (0, false);
     }
 
     /// No rows; what follows is pushed in order.
     pub(crate) fn begin(&mut self) {
-        (self.len, self.friction, self.arms) = (0, false, false);
+        (self.len, self.arms) = (0, false);
     }
 
     /// The next one.
@@ -102,31 +107,18 @@ impl Warm {
 
     /// As long as can be.
     pub(crate) fn fill(&mut self) {
-        (self.len, self.friction, self.arms) = (self.rows.len(), true, true);
+        (self.len, self.arms) = (self.rows.len(), true);
         for row in &mut self.rows {
-            row.id.key = RowKey::Foot(0);
+            (row.id.key, row.rubs) = (RowKey::Foot(0), true);
         }
     }
 }
 
-clone_in_place!(Warm {
-    rows,
-    len,
-    friction,
-    arms
-});
+clone_in_place!(Warm { rows, len, arms });
 
 stateful!(Warm, |this, walk| {
-    let Warm {
-        rows,
-        len,
-        friction,
-        arms,
-    } = this;
-    walk.packed(
-        "number of contact rows",
-        [(0, len), (32, friction), (33, arms)],
-    )?;
+    let Warm { rows, len, arms } = this;
+    walk.packed("number of contact rows", [(0, len), (33, arms)])?;
     let count = *len as u64;
     walk.ensure(*len <= rows.len(), "number of contact rows", count)?;
     for (_, row) in std::iter::zip(0..*len, rows) {
@@ -136,11 +128,15 @@ stateful!(Warm, |this, walk| {
             uv,
             force_n,
             tangent_n,
+            rubs,
             stick: Stick { u, v, offset },
             slips,
             on_tool,
         } = row;
-        walk.coded("pair of a contact row", pair)?;
+        walk.packed(
+            "pair of a contact row",
+            [(0, pair), (32, rubs), (33, slips)],
+        )?;
         walk.coded("key of a contact row", key)?;
         walk.float(force_n)?;
         if key.is_foot() {
@@ -149,8 +145,7 @@ stateful!(Warm, |this, walk| {
         if *arms || key.is_foot() {
             walk.vector(on_tool)?;
         }
-        if *friction {
-            walk.coded("slip of a contact row", slips)?;
+        if *rubs {
             walk.vector(tangent_n)?;
             walk.float(u)?;
             walk.float(v)?;

@@ -9,12 +9,14 @@ use crate::body::{
 use crate::scene::{Body, DeformingBody};
 use crate::solve::delassus::{Compliance, Delassus, Frame};
 use crate::solve::indentation::Resolution;
+use crate::solve::matrix::directions;
 use crate::solve::rigid_part::RigidPart;
 use crate::solve::rows::{DeformingView, Row, RowSet};
 use crate::solve::solver::Solver;
 use crate::tick::quality;
 use crate::tick::record::TickFault;
-use palpate_geometry::math::{Matrix3, Point3, Vector3};
+use palpate_geometry::math::{Point3, Vector3};
+use std::iter::{empty, once};
 
 /// A body as rows see it, when it deforms.
 pub(crate) fn view<'a>(body: &'a Body, parts: &'a BodyScratch) -> Option<DeformingView<'a>> {
@@ -132,25 +134,12 @@ impl Party for Of<'_, &DeformingBody> {
         let Some(compliance) = self.compliance(scratch) else {
             return;
         };
-        self.gather(rows, delassus);
-        let normal_of = |row: usize| rows.rows[row].normal;
-        if matrix.is_whole() {
-            delassus.each_pair(&compliance, None, |pair| {
-                let [i, j] = pair.rows;
-                let block = Matrix3::from_columns(&pair.moved);
-                // The two sides of one row add up; of one side, rounding is not symmetric.
-                match (i == j, pair.same) {
-                    (true, false) => matrix.add(i, i, &(block + block.transpose())),
-                    (true, true) => matrix.add(i, i, &((block + block.transpose()) * 0.5)),
-                    (false, _) => matrix.add(i, j, &block),
-                }
-            });
-            return;
-        }
-        delassus.each_pair(&compliance, Some(&normal_of), |pair| {
+        self.gather(rows, delassus, |row| {
+            directions(&row.normal, row.law.acts_across())
+        });
+        delassus.each_pair(&compliance, |pair| {
             let [i, j] = pair.rows;
-            let twice = if i == j && !pair.same { 2.0 } else { 1.0 };
-            matrix.add_along(i, j, twice * pair.moved[0].dot(&normal_of(i)));
+            matrix.add_moved(i, (j, pair.direction), &pair.moved);
         });
     }
 
@@ -165,7 +154,7 @@ impl Party for Of<'_, &DeformingBody> {
             return;
         };
         let delassus = &mut solver.delassus;
-        self.gather(rows, delassus);
+        self.gather(rows, delassus, |_| empty());
         if delassus.is_empty() {
             return;
         }
@@ -196,13 +185,11 @@ impl Party for Of<'_, &DeformingBody> {
         };
         let delassus = &mut solver.delassus;
         delassus.clear();
-        self.add_sides(rows, (0, row), delassus);
+        self.add_sides(rows, (0, row), once(row.normal), delassus);
         delassus.sort();
         let mut sum = 0.0;
-        let normal_of = |_| row.normal;
-        delassus.each_pair(&compliance, Some(&normal_of), |pair| {
-            let twice = if pair.same { 1.0 } else { 2.0 };
-            sum += twice * pair.moved[0].dot(&row.normal);
+        delassus.each_pair(&compliance, |pair| {
+            sum += 2.0 * pair.moved.dot(&row.normal);
         });
         sum
     }
@@ -277,7 +264,7 @@ impl Party for Of<'_, &DeformingBody> {
             return;
         };
         let delassus = &mut solver.delassus;
-        self.gather(rows, delassus);
+        self.gather(rows, delassus, |_| empty());
         let loads = deformable
             .carried(scratch)
             .iter()
@@ -498,16 +485,27 @@ impl Of<'_, &DeformingBody> {
         })
     }
 
-    /// All sides of rows on the body.
-    fn gather(&self, rows: &RowSet, delassus: &mut Delassus) {
+    /// All sides of rows on the body, each pushed in some directions.
+    fn gather<D: Iterator<Item = Vector3> + Clone>(
+        &self,
+        rows: &RowSet,
+        delassus: &mut Delassus,
+        pushed: impl Fn(&Row) -> D,
+    ) {
         delassus.clear();
-        for row in rows.rows.iter().enumerate() {
-            self.add_sides(rows, row, delassus);
+        for (i, row) in rows.rows.iter().enumerate() {
+            self.add_sides(rows, (i, row), pushed(row), delassus);
         }
         delassus.sort();
     }
 
-    fn add_sides(&self, rows: &RowSet, (i, row): (usize, &Row), delassus: &mut Delassus) {
+    fn add_sides(
+        &self,
+        rows: &RowSet,
+        (i, row): (usize, &Row),
+        pushed: impl Iterator<Item = Vector3> + Clone,
+        delassus: &mut Delassus,
+    ) {
         let deformable = &self.kind.deformable;
         for (sign, side) in row.sides_on(self.index) {
             let (controls, weights) = rows.weights_in(side);
@@ -516,7 +514,7 @@ impl Of<'_, &DeformingBody> {
                 let coordinate = deformable.coordinate_of_control(control as usize);
                 Some((deformable.surface_place(coordinate)?, weight))
             });
-            delassus.add(i, sign, moving);
+            delassus.add(i, sign, pushed.clone(), moving);
         }
     }
 

@@ -5,7 +5,7 @@ use super::pipeline::Pipeline;
 use super::tool::{ToolScratch, ToolState};
 use crate::haptics::{Coupling, DeviceBounds, Link, Port, RenderedForce, limit};
 use crate::scene::{Scene, Tool};
-use crate::solve::friction::{FrictionLaw, FrictionProblem};
+use crate::solve::friction::FrictionLaw;
 use crate::solve::grip::GripState;
 use crate::solve::rows::{Row, RowSet};
 use crate::solve::solver::Solver;
@@ -144,10 +144,7 @@ impl OnCoupling<'_> {
         rows: &RowSet,
         solver: &Solver,
     ) -> RenderedForce {
-        (scratch.force_n, scratch.torque_nm) = match solver.is_whole() {
-            true => self.whole_wrench(state, &scratch.free, rows, &solver.friction),
-            false => self.wrench(&scratch.free, rows, solver.problem.forces()),
-        };
+        (scratch.force_n, scratch.torque_nm) = self.wrench(state, &scratch.free, rows, solver);
         let limit_nm = torque_limit_nm(self.tool, state);
         let (rendered, borne) = limit(
             scratch.force_n,
@@ -159,47 +156,29 @@ impl OnCoupling<'_> {
         rendered
     }
 
-    /// Force (N) and torque (N·m) of the rows about its reference point; `free`: where free motion takes it.
-    fn wrench(&self, free: &Point3, rows: &RowSet, forces_n: &[f64]) -> (Vector3, Vector3) {
-        let turns = self.tool.coupling.turns();
-        let ball = self.tool.shape.ball_radius_m().is_some();
-        let (mut force, mut torque) = (Vector3::zeros(), Vector3::zeros());
-        for (i, row) in self.own(rows) {
-            let push = row.normal * forces_n[i];
-            force += push;
-            if turns {
-                // As the solve turned it.
-                torque += row.arm.cross(&push);
-            } else if !ball {
-                torque += (row.point - free).cross(&push);
-            }
-        }
-        (force, torque)
-    }
-
-    /// [`OnCoupling::wrench`] of forces with three components. Drag on a ball turns it about its centre; what
-    /// presses it does not.
-    fn whole_wrench(
+    /// Force (N) and torque (N·m) of the rows about its reference point; `free`: where free motion takes it. Drag on a
+    /// ball turns it about its centre; what presses it does not.
+    fn wrench(
         &self,
         state: &ToolState,
         free: &Point3,
         rows: &RowSet,
-        friction: &FrictionProblem,
+        solver: &Solver,
     ) -> (Vector3, Vector3) {
-        let force: Vector3 = self.own(rows).map(|(i, _)| friction.force_n(i)).sum();
+        let force: Vector3 = self.own(rows).map(|(i, _)| solver.force_n(i)).sum();
         let coupling = self.coupling(state);
         if coupling.turns() {
             let torques = self
                 .own(rows)
-                .map(|(i, row)| row.arm.cross(&friction.force_n(i)));
+                .map(|(i, row)| row.arm.cross(&solver.force_n(i)));
             return (force, torques.sum());
         }
         let ball = self.tool.shape.ball_radius_m().is_some();
         let held: Point3 = free + force * coupling.compliance_m_n();
         let centre = if ball { held } else { *free };
         let turns = |i: usize, row: &Row| match row.law {
-            FrictionLaw::Push { .. } if ball => friction.tangent_n(i),
-            _ => friction.force_n(i),
+            FrictionLaw::Push { .. } if ball => solver.problem.tangent_n(i),
+            _ => solver.force_n(i),
         };
         let torques = self
             .own(rows)

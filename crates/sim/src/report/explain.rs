@@ -12,7 +12,6 @@ use crate::solve::friction::FrictionLaw;
 use crate::solve::rows::{Holder, Row};
 use crate::tick::balance::Balance;
 use crate::tick::record::TickOutput;
-use palpate_geometry::math::Vector3;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -131,17 +130,13 @@ fn explain_row(balance: &mut Balance<'_>, i: usize) -> RowExplained {
     let row = balance.rows.rows[i];
     let compliance = compliance(balance, &row);
     let (scene, solver) = (balance.scene, &*balance.solver);
-    let whole = solver.is_whole();
     let solved = solver.matrix.along(i);
     debug_assert!(
         (compliance.sum - solved).abs() <= 1e-9 * solved,
         "row {i}: the parties give way by {} m/N, the solve by {solved}",
         compliance.sum
     );
-    let (force_n, tangent_n) = match whole {
-        true => (solver.friction.normal_n(i), solver.friction.tangent_n(i)),
-        false => (solver.problem.forces()[i], Vector3::zeros()),
-    };
+    let (force_n, tangent_n) = (solver.problem.normal_n(i), solver.problem.tangent_n(i));
     let after_m = solver.gap_after(i);
     let holder = match row.holder {
         Holder::Tool(tool) => scene.tool_id(tool as usize),

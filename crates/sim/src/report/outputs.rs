@@ -5,7 +5,7 @@ use crate::body::Field;
 use crate::contact::bounce::is_between_rigid;
 use crate::contact::feet::margin_m;
 use crate::contact::warm::{Warm, WarmRow};
-use crate::contact::{grip, lying, stick};
+use crate::contact::{grip, lying};
 use crate::haptics::{LinkPhase, Motion, RenderedForce, Wrench, limit};
 use crate::party::{Around, Party as _, torque_limit_nm};
 use crate::party::{BodyScratch, ToolScratch, ToolState};
@@ -66,16 +66,10 @@ pub(crate) fn write(
             .enumerate()
             .filter(|(_, row)| own(row) && !let_go)
         {
-            let lambda = solver.problem.forces()[i];
-            let (carries, push) = if solver.is_whole() {
-                let push = solver.friction.force_n(i);
-                (push != Vector3::zeros(), push * factor)
-            } else {
-                (lambda > 0.0, row.normal * (lambda * factor))
-            };
-            if !carries {
+            if !solver.carries(i) {
                 continue;
             }
+            let push = solver.force_n(i) * factor;
             out.contact_count += 1;
             let depth_m = row
                 .normal
@@ -109,9 +103,8 @@ pub(crate) fn write(
         .enumerate()
         .filter(|(_, row)| row.tool().is_none())
     {
-        let lambda = solver.problem.forces()[i];
-        if lambda > 0.0 {
-            let push = solver.force_n(i, row);
+        if solver.carries(i) {
+            let push = solver.force_n(i);
             output
                 .contacts
                 .push(report(row, -solver.gap_after(i), push), scene.tools.len());
@@ -223,8 +216,6 @@ pub(crate) fn remember(
     rest: &Rest,
 ) {
     warm.begin();
-    let rubs = |kept: &WarmRow| scene.pairs[kept.id.pair as usize].friction.is_some();
-    warm.friction = solver.is_whole() || rest.rows.iter().any(rubs);
     for i in 0..rows.rows.len() {
         let row = rows.rows[i];
         let turns = row
@@ -235,12 +226,12 @@ pub(crate) fn remember(
             continue;
         }
         warm.arms |= turns;
-        let (Row { u, v, on_tool, .. }, force_n) = (row, solver.problem.forces()[i]);
+        let (Row { u, v, on_tool, .. }, force_n) = (row, solver.problem.normal_n(i));
         let on_tool = match turns || row.id.key.is_foot() {
             true => lying::on_holder(scene, bodies, &row).unwrap_or(on_tool),
             false => Vector3::zeros(),
         };
-        let mut kept = WarmRow {
+        warm.push(WarmRow {
             id: row.id,
             uv: if row.id.key.is_foot() {
                 [u, v]
@@ -249,14 +240,11 @@ pub(crate) fn remember(
             },
             force_n,
             on_tool,
-            ..WarmRow::default()
-        };
-        if solver.is_whole() {
-            kept.tangent_n = solver.friction.tangent_n(i);
-            kept.slips = solver.friction.slips(i);
-            kept.stick = stick::kept(i, &row, solver);
-        }
-        warm.push(kept);
+            tangent_n: solver.problem.tangent_n(i),
+            rubs: row.law.acts_across(),
+            slips: solver.problem.slips(i),
+            stick: solver.sticks[i],
+        });
     }
     warm.merge(&rest.rows);
 }

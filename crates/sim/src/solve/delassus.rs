@@ -10,8 +10,8 @@ use palpate_geometry::math::{Lane, Vector3, simd};
 
 /// No slot.
 const NONE: u32 = u32::MAX;
-/// Sides whose answers are found together.
-const BATCH: usize = 128;
+/// Pushes whose answers are found together.
+const BATCH: usize = 3 * 128;
 /// Directions of a side, at most.
 const MOST: usize = 3;
 
@@ -38,13 +38,15 @@ pub struct Delassus {
     sides: Vec<Side>,
     /// Of side after side.
     entries: Vec<Entry>,
-    /// Places concerned, ascending, and where the entries of each begin in `by_slot`.
+    /// Of side after side, a push for each direction of its row's force.
+    pushes: Vec<Push>,
+    /// Places concerned, ascending, and where those who push each begin in `by_slot`.
     concerned: Vec<Concerned>,
-    /// Entries of slot after slot: side and entry.
+    /// Of slot after slot: push, and where the push in the frame of the slot is.
     by_slot: Vec<(u32, u32)>,
-    /// Of entry after entry, weighted directions in the frame of its place.
-    directions: Vec<Lane>,
-    /// What unit forces on a batch of sides do at the slots, side after side and direction after direction, m/N.
+    /// Of push after push and entry after entry, weighted directions in the frame of the entry's place.
+    turned: Vec<Lane>,
+    /// What a batch of pushes does at the slots, push after push, m/N.
     response: Vec<Lane>,
 }
 
@@ -54,6 +56,22 @@ struct Side {
     sign: f64,
     start: u32,
     end: u32,
+}
+
+impl Side {
+    fn range(&self) -> std::ops::Range<usize> {
+        self.start as usize..self.end as usize
+    }
+}
+
+/// A unit force on a side.
+#[derive(Clone, Copy, Debug)]
+struct Push {
+    side: u32,
+    direction: u32,
+    way: Vector3,
+    /// Where it begins in `turned`.
+    start: u32,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -74,10 +92,11 @@ struct Concerned {
 pub struct PairOfSides {
     /// The row that is moved, and the row that the force is on.
     pub rows: [usize; 2],
-    /// They are one side.
-    pub same: bool,
-    /// By direction of the force: the displacement with the signs of both sides, m/N.
-    pub moved: [Vector3; MOST],
+    /// Which of the directions of the row's force.
+    pub direction: usize,
+    /// The displacement under one newton with the signs of both sides, m; half of it where they are one side, so that
+    /// it is whole with its mirror image, as others are.
+    pub moved: Vector3,
 }
 
 impl Delassus {
@@ -89,10 +108,11 @@ impl Delassus {
             slot_of: vec![NONE; places],
             sides: Vec::with_capacity(sides),
             entries: Vec::with_capacity(entries),
+            pushes: Vec::with_capacity(MOST * sides),
             concerned: Vec::with_capacity(slots),
-            by_slot: vec![(0, 0); entries],
-            directions: vec![[0.0; 4]; MOST * entries],
-            response: vec![[0.0; 4]; MOST * slots * sides.min(BATCH)],
+            by_slot: vec![(0, 0); MOST * entries],
+            turned: vec![[0.0; 4]; MOST * entries],
+            response: vec![[0.0; 4]; slots * (MOST * sides).min(BATCH)],
         }
     }
 
@@ -103,12 +123,19 @@ impl Delassus {
         }
         self.sides.clear();
         self.entries.clear();
+        self.pushes.clear();
         self.concerned.clear();
     }
 
-    /// Adds a side of a row, pushed along the row's normal times `sign`: (place, weight) of its control points that
-    /// move.
-    pub fn add(&mut self, row: usize, sign: f64, weights: impl Iterator<Item = (usize, f64)>) {
+    /// Adds a side of a row, pushed as the row's holder is times `sign`, in so many `directions`: (place, weight) of
+    /// its control points that move.
+    pub fn add(
+        &mut self,
+        row: usize,
+        sign: f64,
+        directions: impl Iterator<Item = Vector3>,
+        weights: impl Iterator<Item = (usize, f64)>,
+    ) {
         debug_assert!(sign.abs() == 1.0, "a side is pushed along or against");
         debug_assert!(
             self.sides.len() < self.sides.capacity(),
@@ -124,6 +151,14 @@ impl Delassus {
             let slot = place as u32;
             self.entries.push(Entry { slot, weight });
         }
+        let side = self.sides.len() as u32;
+        let pushes = directions.zip(0..).map(|(way, direction)| Push {
+            side,
+            direction,
+            way,
+            start: 0,
+        });
+        self.pushes.extend(pushes);
         self.sides.push(Side {
             row: row as u32,
             sign,
@@ -137,12 +172,8 @@ impl Delassus {
         self.sides.is_empty()
     }
 
-    /// Orders places as they lie in every column, and entries by slot. To be called once all sides are there.
+    /// Orders places as they lie in every column, and pushes by slot. To be called once all sides are there.
     pub fn sort(&mut self) {
-        debug_assert!(
-            self.entries.len() <= self.by_slot.len(),
-            "no room for weights"
-        );
         self.concerned.sort_unstable_by_key(|seen| seen.place);
         for (slot, seen) in self.concerned.iter_mut().enumerate() {
             self.slot_of[seen.place as usize] = slot as u32;
@@ -152,164 +183,126 @@ impl Delassus {
             entry.slot = self.slot_of[entry.slot as usize];
         }
         // Counts, then ends, then, filled from the back, starts.
-        for entry in &self.entries {
-            self.concerned[entry.slot as usize].start += 1;
+        let mut count = 0;
+        for push in &mut self.pushes {
+            push.start = count;
+            for entry in &self.entries[self.sides[push.side as usize].range()] {
+                self.concerned[entry.slot as usize].start += 1;
+                count += 1;
+            }
         }
+        debug_assert!(count as usize <= self.turned.len(), "no room for weights");
+        self.by_slot.resize(count as usize, (0, 0));
         let mut end = 0;
         for seen in &mut self.concerned {
             end += seen.start;
             seen.start = end;
         }
-        for (s, side) in self.sides.iter().enumerate().rev() {
-            for e in (side.start..side.end).rev() {
-                let start = &mut self.concerned[self.entries[e as usize].slot as usize].start;
+        for (p, push) in self.pushes.iter().enumerate().rev() {
+            let own = &self.entries[self.sides[push.side as usize].range()];
+            for (e, entry) in own.iter().enumerate().rev() {
+                let start = &mut self.concerned[entry.slot as usize].start;
                 *start -= 1;
-                self.by_slot[*start as usize] = (s as u32, e);
+                self.by_slot[*start as usize] = (p as u32, push.start + e as u32);
             }
         }
     }
 
-    /// Calls `add` for every pair of sides, once each, the row that is moved no later than the other. `normal_of`: the
-    /// direction of a row's force; without it, three forces along the axes.
-    pub fn each_pair(
-        &mut self,
-        compliance: &impl Compliance,
-        normal_of: Option<&dyn Fn(usize) -> Vector3>,
-        add: impl FnMut(PairOfSides),
-    ) {
-        let wanted = match normal_of {
-            Some(normal_of) => {
-                return self.run::<1>(compliance, &|row| [normal_of(row)], add);
+    /// Calls `add` for every push and every side, once for each two sides, the row that is moved no later than the
+    /// other.
+    pub fn each_pair(&mut self, compliance: &impl Compliance, mut add: impl FnMut(PairOfSides)) {
+        self.turn(compliance);
+        for first in (0..self.pushes.len()).step_by(BATCH) {
+            let last = (first + BATCH).min(self.pushes.len());
+            self.respond(compliance, first, last);
+            self.turn_back(compliance, last - first);
+            if let Some(rigid) = compliance.rigid() {
+                self.add_rigid(rigid, first..last);
             }
-            None => [Vector3::x(), Vector3::y(), Vector3::z()],
-        };
-        self.run::<3>(compliance, &|_| wanted, add);
+            for p in first..last {
+                for t in 0..=self.pushes[p].side as usize {
+                    add(self.pair(p, t, first));
+                }
+            }
+        }
     }
 
     /// Adds what the rigid motions of a free body do at the slots, in the world.
-    fn add_rigid<const C: usize>(
-        &mut self,
-        rigid: &RigidPart,
-        of_row: &dyn Fn(usize) -> [Vector3; C],
-        sides: std::ops::Range<usize>,
-    ) {
+    fn add_rigid(&mut self, rigid: &RigidPart, pushes: std::ops::Range<usize>) {
         let slots = self.concerned.len();
-        for (k, side) in self.sides[sides].iter().enumerate() {
-            let mut loads = [Loads::default(); C];
-            let wanted = of_row(side.row as usize);
-            for entry in &self.entries[side.start as usize..side.end as usize] {
+        let responses = self.response.chunks_exact_mut(slots.max(1));
+        for (push, response) in self.pushes[pushes].iter().zip(responses) {
+            let mut loads = Loads::default();
+            for entry in &self.entries[self.sides[push.side as usize].range()] {
                 let place = self.concerned[entry.slot as usize].place as usize;
-                for (loads, way) in loads.iter_mut().zip(&wanted) {
-                    rigid.add(place, &(way * entry.weight), loads);
-                }
+                rigid.add(place, &(push.way * entry.weight), &mut loads);
             }
-            let amounts = loads.map(|loads| rigid.amounts(&loads));
-            let response = &mut self.response[C * slots * k..C * slots * (k + 1)];
-            for (moved, seen) in response.chunks_exact_mut(C).zip(&self.concerned) {
-                for (moved, amounts) in moved.iter_mut().zip(&amounts) {
-                    add_to(moved, &rigid.moved(seen.place as usize, amounts));
-                }
+            let amounts = rigid.amounts(&loads);
+            for (moved, seen) in response.iter_mut().zip(&self.concerned) {
+                add_to(moved, &rigid.moved(seen.place as usize, &amounts));
             }
         }
     }
 
-    /// Directions of all entries in the frames of their places.
-    fn turn<const C: usize>(
-        &mut self,
-        compliance: &impl Compliance,
-        of_row: &dyn Fn(usize) -> [Vector3; C],
-    ) {
-        for side in &self.sides {
-            let wanted = of_row(side.row as usize);
-            for e in side.start as usize..side.end as usize {
-                let Entry { slot, weight } = self.entries[e];
-                let frame = compliance.frame(self.concerned[slot as usize].place as usize);
-                for (to, way) in self.directions[C * e..].iter_mut().zip(&wanted) {
-                    *to = into_rest(frame, way, weight);
-                }
+    /// Turns all pushes into the frames of their places.
+    fn turn(&mut self, compliance: &impl Compliance) {
+        for push in &self.pushes {
+            let own = &self.entries[self.sides[push.side as usize].range()];
+            for (to, entry) in self.turned[push.start as usize..].iter_mut().zip(own) {
+                let place = self.concerned[entry.slot as usize].place as usize;
+                *to = into_rest(compliance.frame(place), &push.way, entry.weight);
             }
         }
     }
 
-    fn run<const C: usize>(
-        &mut self,
-        compliance: &impl Compliance,
-        of_row: &dyn Fn(usize) -> [Vector3; C],
-        mut add: impl FnMut(PairOfSides),
-    ) {
-        self.turn::<C>(compliance, of_row);
-        for first in (0..self.sides.len()).step_by(BATCH) {
-            let last = (first + BATCH).min(self.sides.len());
-            self.respond::<C>(compliance, first, last);
-            self.turn_back::<C>(compliance, last - first);
-            if let Some(rigid) = compliance.rigid() {
-                self.add_rigid::<C>(rigid, of_row, first..last);
-            }
-            for s in first..last {
-                for t in 0..=s {
-                    add(self.pair::<C>(s, t, first));
-                }
-            }
-        }
-    }
-
-    /// Finds what the sides of a batch do at all slots, in the frames of the slots.
-    fn respond<const C: usize>(&mut self, compliance: &impl Compliance, first: usize, last: usize) {
+    /// Finds what a batch of pushes does at all slots, in the frames of the slots.
+    fn respond(&mut self, compliance: &impl Compliance, first: usize, last: usize) {
         let slots = self.concerned.len();
-        self.response[..C * slots * (last - first)].fill([0.0; 4]);
+        self.response[..slots * (last - first)].fill([0.0; 4]);
         for slot in 0..slots {
             let end = self.concerned.get(slot + 1);
-            let end = end.map_or(self.entries.len(), |next| next.start as usize);
+            let end = end.map_or(self.by_slot.len(), |next| next.start as usize);
             let own = &self.by_slot[self.concerned[slot].start as usize..end];
             let from = own.partition_point(|entry| (entry.0 as usize) < first);
             let to = own.partition_point(|entry| (entry.0 as usize) < last);
-            let column = compliance.column(self.concerned[slot].place as usize);
             let batch = Batch {
                 entries: &own[from..to],
                 first,
                 concerned: &self.concerned,
-                directions: &self.directions,
+                turned: &self.turned,
             };
-            batch.add::<C>(column, &mut self.response);
+            let column = compliance.column(self.concerned[slot].place as usize);
+            batch.add(column, &mut self.response);
         }
     }
 
     /// Turns what a batch does at the slots into the world.
-    fn turn_back<const C: usize>(&mut self, compliance: &impl Compliance, sides: usize) {
-        let slots = self.concerned.len();
-        let of_sides = self.response.chunks_mut(C * slots.max(1)).take(sides);
-        for of_side in of_sides {
-            for (moved, seen) in of_side.chunks_exact_mut(C).zip(&self.concerned) {
-                let frame = compliance.frame(seen.place as usize);
-                for moved in moved {
-                    *moved = from_rest(frame, moved);
-                }
+    fn turn_back(&mut self, compliance: &impl Compliance, pushes: usize) {
+        let of_pushes = self.response.chunks_mut(self.concerned.len().max(1));
+        for of_push in of_pushes.take(pushes) {
+            for (moved, seen) in of_push.iter_mut().zip(&self.concerned) {
+                *moved = from_rest(compliance.frame(seen.place as usize), moved);
             }
         }
     }
 
-    fn pair<const C: usize>(&self, s: usize, t: usize, first: usize) -> PairOfSides {
+    fn pair(&self, p: usize, t: usize, first: usize) -> PairOfSides {
         let slots = self.concerned.len();
-        let response = &self.response[C * slots * (s - first)..C * slots * (s - first + 1)];
-        let (pushed, moved_side) = (&self.sides[s], &self.sides[t]);
-        let sign = pushed.sign * moved_side.sign;
-        let mut moved = [[0.0; 4]; C];
-        for entry in &self.entries[moved_side.start as usize..moved_side.end as usize] {
-            let at = C * entry.slot as usize;
-            for (sum, part) in moved.iter_mut().zip(&response[at..at + C]) {
-                for k in 0..4 {
-                    sum[k] += entry.weight * part[k];
-                }
+        let response = &self.response[slots * (p - first)..slots * (p - first + 1)];
+        let (push, moved_side) = (&self.pushes[p], &self.sides[t]);
+        let pushed = &self.sides[push.side as usize];
+        let mut moved = [0.0; 4];
+        for entry in &self.entries[moved_side.range()] {
+            for (sum, part) in moved.iter_mut().zip(&response[entry.slot as usize]) {
+                *sum += entry.weight * part;
             }
         }
-        let mut out = [Vector3::zeros(); MOST];
-        for (out, [x, y, z, _]) in out.iter_mut().zip(moved) {
-            *out = Vector3::new(x, y, z) * sign;
-        }
+        let share = if push.side as usize == t { 0.5 } else { 1.0 };
+        let [x, y, z, _] = moved;
         PairOfSides {
             rows: [moved_side.row as usize, pushed.row as usize],
-            same: s == t,
-            moved: out,
+            direction: push.direction as usize,
+            moved: Vector3::new(x, y, z) * (pushed.sign * moved_side.sign * share),
         }
     }
 
@@ -327,16 +320,16 @@ impl Delassus {
             if let Some(rigid) = rigid {
                 rigid.add(place, &force, &mut sum);
             }
-            self.directions[0] = into_rest(compliance.frame(place), &force, 1.0);
+            self.turned[0] = into_rest(compliance.frame(place), &force, 1.0);
             let batch = Batch {
                 entries: &[(0, 0)],
                 first: 0,
                 concerned: &self.concerned,
-                directions: &self.directions,
+                turned: &self.turned,
             };
-            batch.add::<1>(compliance.column(place), &mut self.response);
+            batch.add(compliance.column(place), &mut self.response);
         }
-        self.turn_back::<1>(compliance, 1);
+        self.turn_back(compliance, 1);
         if let Some(rigid) = rigid {
             let amounts = rigid.amounts(&sum);
             for (moved, seen) in self.response.iter_mut().zip(&self.concerned) {
@@ -345,7 +338,7 @@ impl Delassus {
         }
         for side in &self.sides {
             let mut moved = Vector3::zeros();
-            for entry in &self.entries[side.start as usize..side.end as usize] {
+            for entry in &self.entries[side.range()] {
                 let [x, y, z, _] = self.response[entry.slot as usize];
                 moved += Vector3::new(x, y, z) * (entry.weight * side.sign);
             }
@@ -373,29 +366,29 @@ fn from_rest(frame: &Frame, v: &Lane) -> Lane {
     [turned[0], turned[1], turned[2], 0.0]
 }
 
-/// Entries of one slot in a batch of sides.
+/// Pushes at one slot in a batch.
 struct Batch<'a> {
-    /// Side and entry.
+    /// Push, and where it is in `turned`.
     entries: &'a [(u32, u32)],
     first: usize,
     concerned: &'a [Concerned],
-    directions: &'a [Lane],
+    turned: &'a [Lane],
 }
 
 impl Batch<'_> {
     /// Adds what they do at all slots; `column`: the blocks of their place.
-    fn add<const C: usize>(&self, column: &[[f32; 9]], response: &mut [Lane]) {
+    fn add(&self, column: &[[f32; 9]], response: &mut [Lane]) {
         #[cfg(target_arch = "x86_64")]
         if simd::has_avx2() {
             // SAFETY: the processor has AVX2, asked just above.
             #[allow(unsafe_code)]
-            return unsafe { add_wide::<C>(self, column, response) };
+            return unsafe { add_wide(self, column, response) };
         }
-        self.add_in::<Baseline, C>(column, response);
+        self.add_in::<Baseline>(column, response);
     }
 
     #[inline(always)]
-    fn add_in<L: Lanes, const C: usize>(&self, column: &[[f32; 9]], response: &mut [Lane]) {
+    fn add_in<L: Lanes>(&self, column: &[[f32; 9]], response: &mut [Lane]) {
         let slots = self.concerned.len();
         for (slot, seen) in self.concerned.iter().enumerate() {
             let block = &column[seen.place as usize];
@@ -408,14 +401,12 @@ impl Batch<'_> {
                 ]
             };
             let columns = [L::load(&wide(0)), L::load(&wide(3)), L::load(&wide(6))];
-            for &(side, entry) in self.entries {
-                let ways = &self.directions[C * entry as usize..C * (entry as usize + 1)];
-                let at = C * (slots * (side as usize - self.first) + slot);
-                for (moved, way) in response[at..at + C].iter_mut().zip(ways) {
-                    let first = L::load(moved) + columns[0] * L::splat(way[0]);
-                    let rest = columns[1] * L::splat(way[1]) + columns[2] * L::splat(way[2]);
-                    (first + rest).store(moved);
-                }
+            for &(push, at) in self.entries {
+                let way = &self.turned[at as usize];
+                let moved = &mut response[slots * (push as usize - self.first) + slot];
+                let first = L::load(moved) + columns[0] * L::splat(way[0]);
+                let rest = columns[1] * L::splat(way[1]) + columns[2] * L::splat(way[2]);
+                (first + rest).store(moved);
             }
         }
     }
@@ -424,12 +415,13 @@ impl Batch<'_> {
 /// The same code with 256-bit registers; nothing is fused, so the bits are the same.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn add_wide<const C: usize>(batch: &Batch<'_>, column: &[[f32; 9]], response: &mut [Lane]) {
-    batch.add_in::<palpate_geometry::math::lanes::Wide, C>(column, response);
+fn add_wide(batch: &Batch<'_>, column: &[[f32; 9]], response: &mut [Lane]) {
+    batch.add_in::<palpate_geometry::math::lanes::Wide>(column, response);
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::matrix::directions;
     use super::*;
     use palpate_geometry::math::{Matrix3, Random, rotation_by};
 
@@ -485,6 +477,10 @@ mod tests {
 
     type DenseSide = (usize, f64, Vec<(usize, f64)>);
 
+    fn normal(row: usize) -> Vector3 {
+        Vector3::new(1.0, 0.1 * row as f64, -0.5)
+    }
+
     fn sides(
         delassus: &mut Delassus,
         count: usize,
@@ -500,7 +496,8 @@ mod tests {
                 let weights: Vec<_> = (0..1 + row % 5)
                     .map(|k| (place(k), random.unit()))
                     .collect();
-                delassus.add(row, sign, weights.iter().copied());
+                let ways = directions(&normal(row), row % 4 == 1);
+                delassus.add(row, sign, ways, weights.iter().copied());
                 all.push((row, sign, weights));
             }
         }
@@ -512,35 +509,36 @@ mod tests {
     #[test]
     fn pairs_and_loads_are_those_of_the_dense_product() {
         let mut random = Random(3);
-        let (places, normal) = (13, |row: usize| Vector3::new(1.0, 0.1 * row as f64, -0.5));
+        let places = 13;
         let dense = Dense::new(places, &mut random);
         let mut delassus = Delassus::new(300, 5, places);
         for count in [12, 200, 3] {
             let all = sides(&mut delassus, count, places, &mut random);
-            for smooth in [true, false] {
-                let (of_row, mut seen) = (&normal as &dyn Fn(usize) -> Vector3, 0);
-                let mut pairs = (0..all.len()).flat_map(|s| (0..=s).map(move |t| (s, t)));
-                delassus.each_pair(&dense, smooth.then_some(of_row), |pair| {
-                    let (s, t) = pairs.next().unwrap();
-                    let (pushed, moved) = (&all[s], &all[t]);
-                    let mut expected = Matrix3::zeros();
-                    for &(a, u) in &moved.2 {
-                        for &(b, w) in &pushed.2 {
-                            expected += dense.world(a, b) * (u * w * moved.1 * pushed.1);
-                        }
+            let mut pushes = all.iter().enumerate().flat_map(|(s, side)| {
+                let ways = directions(&normal(side.0), side.0 % 4 == 1);
+                let to = move |push: (usize, Vector3)| (0..=s).map(move |t| (s, t, push));
+                ways.enumerate().flat_map(to)
+            });
+            delassus.each_pair(&dense, |pair| {
+                let (s, t, (direction, way)) = pushes.next().unwrap();
+                let (pushed, moved) = (&all[s], &all[t]);
+                let mut expected = Matrix3::zeros();
+                for &(a, u) in &moved.2 {
+                    for &(b, w) in &pushed.2 {
+                        expected += dense.world(a, b) * (u * w * moved.1 * pushed.1);
                     }
-                    assert_eq!((pair.rows, pair.same), ([moved.0, pushed.0], s == t));
-                    let ways = match smooth {
-                        true => vec![normal(pushed.0)],
-                        false => vec![Vector3::x(), Vector3::y(), Vector3::z()],
-                    };
-                    for (way, found) in ways.iter().zip(pair.moved) {
-                        assert!((found - expected * way).norm() < 1e-10, "{found}");
-                    }
-                    seen += 1;
-                });
-                assert_eq!(seen, all.len() * (all.len() + 1) / 2);
-            }
+                }
+                if s == t {
+                    expected *= 0.5;
+                }
+                assert_eq!(
+                    (pair.rows, pair.direction),
+                    ([moved.0, pushed.0], direction)
+                );
+                let off = (pair.moved - expected * way).norm();
+                assert!(off < 1e-10, "{}", pair.moved);
+            });
+            assert!(pushes.next().is_none());
             let loads: Vec<(usize, Vector3)> = (0..4).map(|k| (3 * k, random.vector())).collect();
             let mut each = all.iter();
             delassus.each_moved(&dense, loads.iter().copied(), |row, found| {
@@ -565,21 +563,21 @@ mod tests {
         let mut random = Random(5);
         let dense = Dense::new(9, &mut random);
         let concerned: Vec<Concerned> = (0..9).map(|place| Concerned { place, start: 0 }).collect();
-        let directions: Vec<Lane> = (0..6)
+        let turned: Vec<Lane> = (0..2)
             .map(|_| [random.unit(), random.unit(), random.unit(), 0.0])
             .collect();
         let batch = Batch {
             entries: &[(0, 0), (1, 1)],
             first: 0,
             concerned: &concerned,
-            directions: &directions,
+            turned: &turned,
         };
-        let (mut slow, mut fast) = (vec![[0.1; 4]; 54], vec![[0.1; 4]; 54]);
-        batch.add_in::<Baseline, 3>(dense.column(4), &mut slow);
+        let (mut slow, mut fast) = (vec![[0.1; 4]; 18], vec![[0.1; 4]; 18]);
+        batch.add_in::<Baseline>(dense.column(4), &mut slow);
         // SAFETY: asked just above.
         #[allow(unsafe_code)]
         unsafe {
-            add_wide::<3>(&batch, dense.column(4), &mut fast);
+            add_wide(&batch, dense.column(4), &mut fast);
         }
         assert_eq!(slow, fast);
     }

@@ -1,36 +1,55 @@
 //! How the forces of a tick move its rows: the Delassus matrix D, m/N.
 //!
-//! In ticks without friction and grips forces have one direction, their row's normal, and D_ij is a number; in
-//! others they have the three of the world, and D_ij is a block of 3 × 3: what a force on row j moves row i. All
-//! that gives way adds to it, and nothing stands beside it. D_ji = D_ijᵀ, so a row of it is read as a column.
+//! The force of a row has one direction, its normal, or the three of the world, where friction or a grip acts across.
+//! D has a row and a column for each direction of each force: what a newton along one moves the rows along the others. All
+//! that gives way adds to it, and nothing stands beside it. It is symmetric, so a row of it is read as a column.
 
 use palpate_geometry::math::{Matrix3, Vector3};
+use std::ops::Range;
 
 /// Room for a number of rows.
 #[derive(Clone, Debug)]
 pub struct ContactMatrix {
-    /// Of each force: 1 or 3.
-    directions: usize,
     normals: Vec<Vector3>,
-    /// Row by row, with `directions` of them for each contact row.
+    /// Where the directions of each row begin, and where the last one's end.
+    starts: Vec<usize>,
+    /// Of row after row.
+    directions: Vec<Vector3>,
+    /// Direction by direction.
     entries: Vec<f64>,
 }
 
+/// Directions of a force: along the normal, or all.
+pub fn directions(normal: &Vector3, whole: bool) -> impl Iterator<Item = Vector3> + Clone + use<> {
+    let [first, y, z] = match whole {
+        true => [Vector3::x(), Vector3::y(), Vector3::z()],
+        false => [*normal; 3],
+    };
+    [first, y, z].into_iter().take(if whole { 3 } else { 1 })
+}
+
 impl ContactMatrix {
-    /// Room for `rows` rows, or `whole_rows` whose forces have three components.
-    pub fn new(rows: usize, whole_rows: usize) -> Self {
+    /// Room for `rows` rows whose forces have so many directions together.
+    pub fn new(rows: usize, directions: usize) -> Self {
         Self {
-            directions: 1,
             normals: Vec::with_capacity(rows),
-            entries: vec![0.0; (rows * rows).max(9 * whole_rows * whole_rows)],
+            starts: Vec::with_capacity(rows + 1),
+            directions: Vec::with_capacity(directions),
+            entries: vec![0.0; directions * directions],
         }
     }
 
-    /// Rows with these normals that do not move each other yet; `whole`: under forces of three components.
-    pub fn begin(&mut self, normals: impl Iterator<Item = Vector3>, whole: bool) {
+    /// Rows that do not move each other yet: their normals, and whether their forces have all directions.
+    pub fn begin(&mut self, rows: impl Iterator<Item = (Vector3, bool)>) {
         self.normals.clear();
-        self.normals.extend(normals);
-        self.directions = if whole { 3 } else { 1 };
+        self.starts.clear();
+        self.directions.clear();
+        self.starts.push(0);
+        for (normal, whole) in rows {
+            self.normals.push(normal);
+            self.directions.extend(directions(&normal, whole));
+            self.starts.push(self.directions.len());
+        }
         let size = self.size();
         debug_assert!(size * size <= self.entries.len(), "more rows than room");
         self.entries[..size * size].fill(0.0);
@@ -41,59 +60,51 @@ impl ContactMatrix {
         self.normals.len()
     }
 
-    /// Forces have three components.
-    pub fn is_whole(&self) -> bool {
-        self.directions == 3
-    }
-
-    /// Components of all forces together.
+    /// Directions of all forces together.
     pub fn size(&self) -> usize {
-        self.rows() * self.directions
+        self.directions.len()
     }
 
-    /// Adds a block to D_ij, and what mirrors it to D_ji.
+    /// Those of a row's force.
+    pub fn span(&self, i: usize) -> Range<usize> {
+        self.starts[i]..self.starts[i + 1]
+    }
+
+    /// Adds to D_ij how a force on row j moves row i, and as much the other way round.
     pub fn add(&mut self, i: usize, j: usize, block: &Matrix3) {
-        if !self.is_whole() {
-            let along = self.normals[i].dot(&(block * self.normals[j]));
-            return self.add_along(i, j, along);
-        }
-        self.add_block(i, j, block);
-        if i != j {
-            self.add_block(j, i, &block.transpose());
-        }
+        self.add_by(i, j, |force| block * force);
     }
 
-    fn add_block(&mut self, i: usize, j: usize, block: &Matrix3) {
-        let size = self.size();
-        for a in 0..3 {
-            let entries = &mut self.entries[(3 * i + a) * size + 3 * j..][..3];
-            for b in 0..3 {
-                entries[b] += block[(a, b)];
-            }
-        }
-    }
-
-    /// Adds a block that moves alike in every direction.
+    /// Adds what moves alike in every direction.
     pub fn add_isotropic(&mut self, i: usize, j: usize, m_per_n: f64) {
-        if !self.is_whole() {
-            return self.add_along(i, j, m_per_n * self.normals[i].dot(&self.normals[j]));
-        }
-        for a in 0..3 {
-            self.add_entry((i, a), (j, a), m_per_n);
+        self.add_by(i, j, |force| force * m_per_n);
+    }
+
+    #[inline(always)]
+    fn add_by(&mut self, i: usize, j: usize, moved: impl Fn(&Vector3) -> Vector3) {
+        // Of a row by itself both ways round are one.
+        let share = if i == j { 0.5 } else { 1.0 };
+        for k in 0..self.span(j).len() {
+            let moved = moved(&self.directions[self.starts[j] + k]) * share;
+            self.add_moved(i, (j, k), &moved);
         }
     }
 
-    /// Adds what forces along the normals move rows along theirs, where forces have no other direction.
-    pub fn add_along(&mut self, i: usize, j: usize, m_per_n: f64) {
-        debug_assert!(!self.is_whole(), "a force of three components");
-        self.add_entry((i, 0), (j, 0), m_per_n);
+    /// Adds how far one newton along a direction of row j moves row i, m, and as much the other way round.
+    pub fn add_moved(&mut self, i: usize, (j, direction): (usize, usize), moved: &Vector3) {
+        let (size, b) = (self.size(), self.starts[j] + direction);
+        for a in self.span(i) {
+            let m_per_n = self.directions[a].dot(moved);
+            self.entries[a * size + b] += m_per_n;
+            self.entries[b * size + a] += m_per_n;
+        }
     }
 
     /// Lets a row give way under its own force by this share more.
     pub fn ease(&mut self, i: usize, share: f64) {
-        let (size, of_row) = (self.size(), i * self.directions);
-        for a in of_row..of_row + self.directions {
-            for own in &mut self.entries[a * size + of_row..][..self.directions] {
+        let (size, span) = (self.size(), self.span(i));
+        for a in span.clone() {
+            for own in &mut self.entries[a * size..][span.clone()] {
                 *own += *own * share;
             }
         }
@@ -101,39 +112,29 @@ impl ContactMatrix {
 
     /// How far a row gives way along its normal under its own push, m/N.
     pub fn along(&self, i: usize) -> f64 {
-        match self.is_whole() {
-            true => self.normals[i].dot(&(self.block(i, i) * self.normals[i])),
-            false => self.entry(i, i),
+        match self.span(i).len() {
+            1 => self.entry(self.starts[i], self.starts[i]),
+            _ => self.normals[i].dot(&(self.block(i, i) * self.normals[i])),
         }
     }
 
-    /// D_ij, where forces have three components.
+    /// D_ij between two rows whose forces have all directions.
     pub fn block(&self, i: usize, j: usize) -> Matrix3 {
-        debug_assert!(self.is_whole(), "forces along the normals");
-        Matrix3::from_fn(|a, b| self.entry(3 * i + a, 3 * j + b))
+        let (i, j) = (self.span(i), self.span(j));
+        debug_assert!(i.len() == 3 && j.len() == 3, "a force along its normal");
+        Matrix3::from_fn(|a, b| self.entry(i.start + a, j.start + b))
     }
 
-    /// What the components of the force of a row move all rows: one column after the other.
+    /// What a row's force moves all rows: one column for each of its directions.
     pub fn columns(&self, i: usize) -> &[f64] {
-        let length = self.directions * self.size();
-        &self.entries[i * length..(i + 1) * length]
+        let (size, span) = (self.size(), self.span(i));
+        &self.entries[span.start * size..span.end * size]
     }
 
-    /// What one component moves another.
+    /// What a force along one direction moves along another.
     pub fn entry(&self, a: usize, b: usize) -> f64 {
-        debug_assert!(a < self.size() && b < self.size(), "no such component");
+        debug_assert!(a < self.size() && b < self.size(), "no such direction");
         self.entries[a * self.size() + b]
-    }
-
-    /// Adds to one entry, and to the one that mirrors it.
-    fn add_entry(&mut self, (i, a): (usize, usize), (j, b): (usize, usize), m_per_n: f64) {
-        let (size, of) = (self.size(), self.directions);
-        let (row, column) = (i * of + a, j * of + b);
-        debug_assert!(row < size && column < size, "no such component");
-        self.entries[row * size + column] += m_per_n;
-        if i != j {
-            self.entries[column * size + row] += m_per_n;
-        }
     }
 }
 
@@ -146,17 +147,19 @@ mod tests {
         Matrix3::from_columns(&[random.vector(), random.vector(), random.vector()])
     }
 
-    /// The same blocks along the normals and whole.
+    /// The same blocks between rows along their normals, whole ones, and some of each.
     #[test]
-    fn it_is_symmetric_and_its_normals_see_what_smooth_ticks_see() {
+    fn it_is_symmetric_and_normals_see_the_same_of_every_row() {
         let mut random = Random(23);
         let normals: Vec<Vector3> = (0..7).map(|_| random.vector().normalize()).collect();
-        let [mut smooth, mut whole] = [false, true].map(|is_whole| {
-            let mut matrix = ContactMatrix::new(7, 7);
+        let kinds: [fn(usize) -> bool; 3] = [|_| false, |_| true, |i| i % 3 == 1];
+        let mut matrices = kinds.map(|is_whole| {
+            let rows = || normals.iter().copied().enumerate();
+            let mut matrix = ContactMatrix::new(7, 21);
             // What was there before is forgotten.
-            matrix.begin(normals.iter().copied(), true);
+            matrix.begin(rows().map(|(_, normal)| (normal, true)));
             matrix.add(6, 5, &Matrix3::identity());
-            matrix.begin(normals.iter().copied(), is_whole);
+            matrix.begin(rows().map(|(i, normal)| (normal, is_whole(i))));
             matrix
         });
         for i in 0..7 {
@@ -165,26 +168,41 @@ mod tests {
                 if i == j {
                     block += block.transpose();
                 }
-                for matrix in [&mut smooth, &mut whole] {
+                for matrix in &mut matrices {
                     matrix.add(i, j, &block);
                     matrix.add_isotropic(i, j, 0.5);
                 }
             }
-            for matrix in [&mut smooth, &mut whole] {
-                matrix.ease(i, 0.1);
-            }
+            matrices.iter_mut().for_each(|matrix| matrix.ease(i, 0.1));
         }
-        for i in 0..7 {
-            for j in 0..7 {
-                let block = whole.block(i, j);
-                assert_eq!(block, whole.block(j, i).transpose());
-                assert_eq!(smooth.entry(i, j), smooth.entry(j, i));
-                let along = normals[i].dot(&(block * normals[j]));
-                assert!((along - smooth.entry(i, j)).abs() < 1e-14);
+        let [smooth, whole, _] = &matrices;
+        for matrix in &matrices {
+            for a in 0..matrix.size() {
+                (0..a).for_each(|b| assert_eq!(matrix.entry(a, b), matrix.entry(b, a)));
             }
-            assert!((whole.along(i) - smooth.along(i)).abs() < 1e-14);
-            let columns = whole.columns(i);
-            assert!((0..63).all(|k| columns[k] == whole.entry(k % 21, 3 * i + k / 21)));
+            for i in 0..7 {
+                assert!((matrix.along(i) - smooth.along(i)).abs() < 1e-14);
+                let (size, span, columns) = (matrix.size(), matrix.span(i), matrix.columns(i));
+                assert!(
+                    (0..columns.len())
+                        .all(|k| columns[k] == matrix.entry(k % size, span.start + k / size))
+                );
+                for j in 0..7 {
+                    let between = normals[i].dot(&(whole.block(i, j) * normals[j]));
+                    let seen = |along: &Vector3, at: usize| match matrix.span(at).len() {
+                        1 => vec![1.0],
+                        _ => along.iter().copied().collect(),
+                    };
+                    let (of_i, of_j) = (seen(&normals[i], i), seen(&normals[j], j));
+                    let mut along = 0.0;
+                    for (a, left) in matrix.span(i).zip(of_i) {
+                        for (b, right) in matrix.span(j).zip(&of_j) {
+                            along += left * matrix.entry(a, b) * right;
+                        }
+                    }
+                    assert!((along - between).abs() < 1e-14);
+                }
+            }
         }
     }
 }

@@ -60,7 +60,7 @@ pub(super) fn arrive(balance: &mut Balance<'_>, shares: &mut [f64]) {
         if share < 1.0 && solver.carries(i) {
             // What the hand does not bear, the body did not feel.
             let felt = load::on_bodies(row, i, solver, tool_parts) * share;
-            solver.set_force_n(i, row, &felt);
+            solver.problem.set_force(&solver.matrix, i, &felt);
         }
     }
 }

@@ -12,7 +12,7 @@ impl Scratch {
     pub fn contact_force_on(&self, body: usize) -> Vector3 {
         let mut sum = Vector3::zeros();
         for (i, row) in self.rows.rows.iter().enumerate() {
-            let force = self.solver.force_n(i, row);
+            let force = self.solver.force_n(i);
             let factor = row.tool().map_or(1.0, |tool| self.tools[tool].borne);
             if row.body as usize == body {
                 sum -= force * factor;

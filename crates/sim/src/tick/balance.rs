@@ -3,13 +3,12 @@
 //! What a force on one row does to another is the sum over all that both act on: a coupling gives way by 1 / K' and
 //! turns by C (r_j × f_j) × r_i, a deforming body answers by its surface, a free rigid one gives way by
 //! dt² / m and turns by dt² (I⁻¹ (r_j × f_j)) × r_i. Each adds its blocks to the matrix, with the signs with which
-//! normals push bodies. Without friction and grips only what the normals see of them counts.
+//! normals push bodies. Of rows without friction only what their normals see of it counts.
 
 use crate::contact::warm::{Warm, WarmRow};
 use crate::contact::{dent, stick};
 use crate::party::{BodyScratch, BodyState, Party as _, Problem, ToolScratch, ToolState};
 use crate::scene::Scene;
-use crate::solve::cones::{self, ConeShare};
 use crate::solve::friction::FrictionLaw;
 use crate::solve::hold::{Barrier, hold};
 use crate::solve::rows::{Row, RowSet};
@@ -25,15 +24,6 @@ const LEAST_SWEEPS: usize = 10;
 /// Weight of a row that carries, relative to the depth that its force means to the coupling.
 const LEAST_WEIGHT: f64 = 1e-3;
 
-/// Where a solve starts.
-#[derive(Clone, Copy, PartialEq)]
-enum Start {
-    /// With the forces of the last tick.
-    LastTick,
-    /// With those there are.
-    Here,
-}
-
 /// What the contact forces of a tick depend on.
 pub(crate) struct Balance<'a> {
     pub scene: &'a Scene,
@@ -48,16 +38,14 @@ pub(crate) struct Balance<'a> {
 }
 
 impl Balance<'_> {
-    /// Solves for the force of every row.
+    /// Solves for the force of every row, from those of the last tick on.
     pub(crate) fn solve(&mut self) {
         let scene = self.scene;
-        let count = self.rows.rows.len();
-        let whole = self.is_whole();
-        self.solver.problem.begin(count);
-        self.solver.friction.clear();
-        let normals = self.rows.rows.iter().map(|row| row.normal);
-        self.solver.matrix.begin(normals, whole);
-        if count == 0 {
+        self.solver.problem.clear();
+        let rows = self.rows.rows.iter();
+        let rows = rows.map(|row| (row.normal, row.law.acts_across()));
+        self.solver.matrix.begin(rows);
+        if self.rows.rows.is_empty() {
             return;
         }
         let Self {
@@ -75,23 +63,14 @@ impl Balance<'_> {
             body.respond(&self.states[b], &bodies[b], problem);
         }
         dent::settle(self.rows, self.solver);
-        for (i, row) in self.rows.rows.iter().enumerate() {
+        for i in 0..self.rows.rows.len() {
+            let row = self.rows.rows[i];
+            let old = self.warm.of_row(row.id).copied().unwrap_or_default();
+            let (law, warm_n) = (self.law(&row, &old), (old.force_n, old.tangent_n));
             self.solver.matrix.ease(i, row.ease);
+            (self.solver.problem).push(&row.normal, row.law.acts_across(), law, warm_n);
         }
-        self.solve_rows(Start::LastTick);
-    }
-
-    /// Solves once more, on the same compliance, after gaps have changed.
-    pub(crate) fn solve_again(&mut self) {
-        if !self.rows.rows.is_empty() {
-            self.solve_rows(Start::Here);
-        }
-    }
-
-    /// Some force has three components.
-    fn is_whole(&self) -> bool {
-        let mut rows = self.rows.rows.iter();
-        rows.any(|row| row.law != FrictionLaw::SMOOTH)
+        self.solve_again();
     }
 
     /// How often a solve goes over its rows. They start with the forces of the last tick: under lower
@@ -113,48 +92,72 @@ impl Balance<'_> {
         }
     }
 
-    fn solve_rows(&mut self, start: Start) {
+    /// Solves from the forces there are on, on the same compliance, after gaps have changed.
+    pub(crate) fn solve_again(&mut self) {
         let scene = self.scene;
-        if self.solver.is_whole() {
-            return self.solve_whole(start);
-        }
-        let mut warm = self.warm.rows().iter().peekable();
-        for (i, row) in self.rows.rows.iter().enumerate() {
-            // Both lists are ordered by it.
-            while warm.next_if(|old| old.id < row.id).is_some() {}
-            let old = warm.next_if(|old| old.id == row.id);
-            let force = match start {
-                Start::LastTick => old.map_or(0.0, |old| old.force_n),
-                Start::Here => self.solver.problem.forces()[i],
+        self.solver.sticks.clear();
+        for i in 0..self.rows.rows.len() {
+            let row = self.rows.rows[i];
+            let (slip, stuck) = match row.law.acts_across() {
+                true => {
+                    let (parts, old) = (&*self.tool_parts, self.warm.of_row(row.id));
+                    stick::slip(scene, parts, self.bodies, self.rows, &row, old)
+                }
+                false => Default::default(),
             };
-            self.solver.problem.set(i, row.gap_m, force);
+            self.solver.sticks.push(stuck);
+            self.solver.problem.set_free(i, row.gap_m, &slip);
         }
         let sweeps = self.sweeps();
         let Solver {
             problem, matrix, ..
         } = &mut *self.solver;
         problem.solve(matrix, sweeps);
+        stick::settle(&self.rows.rows, self.solver);
         for tool in 0..scene.tools.len() {
             self.hold_by_rigid(tool);
             self.share_among_rigid(tool);
         }
     }
 
-    /// A tool that only translates and touches nothing that gives way is held exactly.
+    /// A row's law in this tick; `old`: the row in the last one.
+    fn law(&self, row: &Row, old: &WarmRow) -> FrictionLaw {
+        // The drag that rows come with is their pair's.
+        let FrictionLaw::Push {
+            mu,
+            drag_n_m: viscous_n_s_m,
+        } = row.law
+        else {
+            return row.law;
+        };
+        let pair = &self.scene.pairs[row.id.pair as usize];
+        let kinetic = pair.friction.filter(|_| old.slips);
+        FrictionLaw::Push {
+            mu: kinetic.map_or(mu, |friction| friction.mu_kinetic),
+            drag_n_m: match viscous_n_s_m > 0.0 {
+                true => viscous_n_s_m / self.scene.dt_s * self.share_of_drag(row, old.force_n),
+                false => 0.0,
+            },
+        }
+    }
+
+    /// A tool that only translates and smoothly touches nothing that gives way is held exactly.
     fn hold_by_rigid(&mut self, tool: usize) {
         let scene = self.scene;
         let Self { rows, solver, .. } = self;
         let Solver {
-            problem, barriers, ..
-        } = solver;
+            problem,
+            matrix,
+            barriers,
+            ..
+        } = &mut **solver;
         let coupling = scene.tools[tool].coupling_for(&self.tools[tool].bounds);
-        let own = |row: &&Row| row.tool() == Some(tool);
-        let is_firm = |row: &Row| scene.bodies[row.body as usize].is_firm();
-        if coupling.turns() || !rows.rows.iter().filter(own).all(is_firm) {
+        let is_held = |row: &Row| is_firm(scene, row) && !row.law.acts_across();
+        if coupling.turns() || !of_tool(&rows.rows, tool).all(|(_, row)| is_held(row)) {
             return;
         }
         barriers.clear();
-        barriers.extend(rows.rows.iter().filter(own).map(|row| Barrier {
+        barriers.extend(of_tool(&rows.rows, tool).map(|(_, row)| Barrier {
             normal: row.normal,
             depth_m: -row.gap_m,
             part_m: 0.0,
@@ -163,73 +166,8 @@ impl Balance<'_> {
             return;
         }
         let compliance = coupling.compliance_m_n();
-        let indices = (0..rows.rows.len()).filter(|&i| own(&&rows.rows[i]));
-        for (i, barrier) in indices.zip(barriers.iter()) {
-            problem.set_force(i, barrier.part_m / compliance);
-        }
-    }
-
-    /// Solves for forces of three components.
-    fn solve_whole(&mut self, start: Start) {
-        let scene = self.scene;
-        let count = self.rows.rows.len();
-        self.solver.sticks.clear();
-        let mut warm = self.warm.rows().iter().peekable();
-        for i in 0..count {
-            let row = self.rows.rows[i];
-            // Both lists are ordered by it.
-            while warm.next_if(|old| old.id < row.id).is_some() {}
-            let old = warm.next_if(|old| old.id == row.id);
-            let WarmRow {
-                force_n,
-                tangent_n,
-                slips,
-                ..
-            } = old.copied().unwrap_or_default();
-            let (slip, stuck) =
-                stick::slip(scene, self.tool_parts, self.bodies, self.rows, &row, old);
-            self.solver.sticks.push(stuck);
-            let (law, free) = match row.law {
-                FrictionLaw::Push {
-                    mu,
-                    drag_n_m: viscous_n_s_m,
-                } => {
-                    let pair = scene.pairs[row.id.pair as usize].friction.filter(|_| slips);
-                    let free = slip + row.normal * (row.gap_m - slip.dot(&row.normal));
-                    let drag_n_m = match viscous_n_s_m > 0.0 {
-                        true => viscous_n_s_m / scene.dt_s * self.share_of_drag(&row, force_n),
-                        false => 0.0,
-                    };
-                    (
-                        FrictionLaw::Push {
-                            mu: pair.map_or(mu, |friction| friction.mu_kinetic),
-                            drag_n_m,
-                        },
-                        free,
-                    )
-                }
-                grip => (grip, row.slip),
-            };
-            match start {
-                Start::LastTick => {
-                    let warm_n = row.normal * force_n + tangent_n;
-                    self.solver.friction.push(&row.normal, &free, law, &warm_n);
-                }
-                Start::Here => self.solver.friction.set_free(i, &free),
-            }
-        }
-        let sweeps = self.sweeps();
-        let Solver {
-            friction, matrix, ..
-        } = &mut *self.solver;
-        friction.solve(matrix, sweeps);
-        for tool in 0..scene.tools.len() {
-            self.share_whole_among_rigid(tool);
-        }
-        for i in 0..count {
-            self.solver
-                .problem
-                .set_force(i, self.solver.friction.normal_n(i));
+        for ((i, row), barrier) in of_tool(&rows.rows, tool).zip(barriers) {
+            problem.set_force(matrix, i, &(row.normal * (barrier.part_m / compliance)));
         }
     }
 
@@ -250,104 +188,62 @@ impl Balance<'_> {
             .count() as f64
     }
 
-    /// [`share_among_rigid`] with friction and grips. A grip counts as deep as its part of the force
-    /// means to the coupling.
-    fn share_whole_among_rigid(&mut self, tool: usize) {
-        let scene = self.scene;
-        let Self { rows, solver, .. } = self;
-        let Solver {
-            friction, cones, ..
-        } = solver;
-        let coupling = scene.tools[tool].coupling_for(&self.tools[tool].bounds);
-        if coupling.turns() {
-            return;
-        }
-        let compliance = coupling.compliance_m_n();
-        cones.clear();
-        let total: Vector3 = rigid_rows(scene, &rows.rows, tool)
-            .map(|(i, _)| friction.force_n(i))
-            .sum();
-        let count = rigid_rows(scene, &rows.rows, tool).count() as f64;
-        for (i, row) in rigid_rows(scene, &rows.rows, tool) {
-            let (mut law, force_n) = (friction.law(i), friction.force_n(i));
-            if let FrictionLaw::Push { mu, drag_n_m } = &mut law
-                && *drag_n_m > 0.0
-                && friction.normal_n(i) > 0.0
-            {
-                // Drag goes beyond the cone; it is shared as if the cone held it.
-                *mu = mu.max(friction.tangent_n(i).norm() / friction.normal_n(i));
-            }
-            let weight_m = match law {
-                FrictionLaw::Push { .. } => {
-                    (-row.gap_m).clamp(0.0, row.counts_m)
-                        + LEAST_WEIGHT * compliance * friction.normal_n(i)
-                }
-                FrictionLaw::Grip { .. } => compliance * total.norm() / count,
-            };
-            cones.push(ConeShare {
-                normal: row.normal,
-                law,
-                weight_m,
-                force_n,
-            });
-        }
-        if cones.len() > 1 && cones::share(cones) {
-            for ((i, _), share) in rigid_rows(scene, &rows.rows, tool).zip(cones.iter()) {
-                friction.set_force(i, &share.force_n);
-            }
-        }
-    }
-
     /// Rows of a tool on bodies that do not give way share their force by depth; balance does not say
-    /// how.
+    /// how. A grip counts as deep as its part of the force means to the coupling.
     fn share_among_rigid(&mut self, tool: usize) {
         let scene = self.scene;
         let Self { rows, solver, .. } = self;
         let Solver {
-            problem, shares, ..
-        } = solver;
+            problem,
+            matrix,
+            shares,
+            ..
+        } = &mut **solver;
         let coupling = scene.tools[tool].coupling_for(&self.tools[tool].bounds);
         if coupling.turns() {
             // Moments count: the solve has shared.
             return;
         }
+        let rigid = || of_tool(&rows.rows, tool).filter(|(_, row)| is_firm(scene, row));
         let compliance = coupling.compliance_m_n();
-        let rigid =
-            |row: &Row| row.tool() == Some(tool) && scene.bodies[row.body as usize].is_firm();
+        let total: Vector3 = rigid().map(|(i, _)| problem.force_n(i)).sum();
+        let count = rigid().count();
         shares.clear();
-        for (i, row) in rows.rows.iter().enumerate().filter(|(_, row)| rigid(row)) {
-            let force_n = problem.forces()[i];
-            // What carries has some weight, even where the device is not below that contact itself.
-            let weight_m =
-                (-row.gap_m).clamp(0.0, row.counts_m) + LEAST_WEIGHT * compliance * force_n;
-            shares.push(Share {
+        shares.extend(rigid().map(|(i, row)| {
+            let (mut law, normal_n) = (problem.law(i), problem.normal_n(i));
+            let weight_m = match &mut law {
+                FrictionLaw::Push { mu, drag_n_m } => {
+                    if *drag_n_m > 0.0 && normal_n > 0.0 {
+                        // Drag goes beyond the cone; it is shared as if the cone held it.
+                        *mu = mu.max(problem.tangent_n(i).norm() / normal_n);
+                    }
+                    // What carries has some weight, even where the device is not below that contact itself.
+                    (-row.gap_m).clamp(0.0, row.counts_m) + LEAST_WEIGHT * compliance * normal_n
+                }
+                FrictionLaw::Grip { .. } => compliance * total.norm() / count as f64,
+            };
+            Share {
                 normal: row.normal,
+                law,
                 weight_m,
-                force_n,
-            });
-        }
-        if shares.len() > 1 && share(shares) {
-            let indices = rows
-                .rows
-                .iter()
-                .enumerate()
-                .filter(|(_, row)| rigid(row))
-                .map(|(i, _)| i);
-            for (i, share) in indices.zip(shares.iter()) {
-                problem.set_force(i, share.force_n);
+                force_n: problem.force_n(i),
+            }
+        }));
+        if count > 1 && share(shares) {
+            for ((i, _), share) in rigid().zip(shares.iter()) {
+                problem.set_force(matrix, i, &share.force_n);
             }
         }
     }
 }
 
-/// Rows of a tool on bodies that do not give way.
-fn rigid_rows<'a>(
-    scene: &'a Scene,
-    rows: &'a [Row],
-    tool: usize,
-) -> impl Iterator<Item = (usize, &'a Row)> {
-    let rigid = |row: &Row| scene.bodies[row.body as usize].is_firm();
-    rows.iter()
-        .enumerate()
-        .filter(move |(_, row)| row.tool() == Some(tool) && rigid(row))
+/// Rows of a tool.
+fn of_tool(rows: &[Row], tool: usize) -> impl Iterator<Item = (usize, &Row)> {
+    let own = move |(_, row): &(usize, &Row)| row.tool() == Some(tool);
+    rows.iter().enumerate().filter(own)
+}
+
+/// Its body does not give way.
+fn is_firm(scene: &Scene, row: &Row) -> bool {
+    scene.bodies[row.body as usize].is_firm()
 }

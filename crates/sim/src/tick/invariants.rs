@@ -124,32 +124,26 @@ pub(super) fn of_rows(scene: &Scene, tools: &[ToolState], rows: &RowSet) {
 
 /// Solve: the matrix and the forces of the rows.
 pub(super) fn of_forces(rows: &RowSet, solver: &Solver) {
-    let problem = &solver.problem;
-    debug_assert_eq!(problem.forces().len(), rows.rows.len(), "a force a row");
-    let matrix = &solver.matrix;
+    let (problem, matrix) = (&solver.problem, &solver.matrix);
+    debug_assert_eq!(matrix.rows(), rows.rows.len(), "a force a row");
     for a in 0..matrix.size() {
         let own = matrix.entry(a, a);
         debug_assert!(
             at_least(own, 0.0),
-            "component {a} gives way against its force"
+            "direction {a} gives way against its force"
         );
         for b in 0..a {
             let most = own.max(matrix.entry(b, b));
             let there_and_back = (matrix.entry(a, b) - matrix.entry(b, a)).abs();
             debug_assert!(
                 at_most(there_and_back, ROUNDING * most),
-                "components {a}, {b}: one-sided"
+                "directions {a}, {b}: one-sided"
             );
         }
     }
     for i in 0..rows.rows.len() {
-        if !solver.is_whole() {
-            debug_assert!(at_least(problem.forces()[i], 0.0), "row {i} pulls");
-            continue;
-        }
-        let friction = &solver.friction;
-        let (normal_n, tangent_n) = (friction.normal_n(i), friction.tangent_n(i).norm());
-        match friction.law(i) {
+        let (normal_n, tangent_n) = (problem.normal_n(i), problem.tangent_n(i).norm());
+        match problem.law(i) {
             FrictionLaw::Push { mu, drag_n_m } => {
                 debug_assert!(at_least(normal_n, 0.0), "row {i} pulls");
                 let most_n = mu * normal_n * (1.0 + 1e-6) + 1e-12;
@@ -157,7 +151,7 @@ pub(super) fn of_forces(rows: &RowSet, solver: &Solver) {
                 debug_assert!(within, "row {i}: {tangent_n} N across, {normal_n} N along");
             }
             FrictionLaw::Grip { limit_n } => {
-                let force_n = friction.force_n(i).norm();
+                let force_n = problem.force_n(i).norm();
                 let most_n = limit_n * (1.0 + 1e-6) + 1e-12;
                 debug_assert!(
                     at_most(force_n, most_n),
@@ -231,7 +225,7 @@ fn of_memory(scene: &Scene, warm: &Warm) {
             "a contact that pulled"
         );
         let across = row.slips || row.tangent_n.norm_squared() > 0.0;
-        debug_assert!(!across || warm.friction, "friction of a smooth tick");
+        debug_assert!(!across || row.rubs, "friction of a smooth row");
     }
 }
 

@@ -11,11 +11,7 @@ use palpate_geometry::math::Vector3;
 pub(crate) fn pushes_n(rows: &[Row], solver: &Solver, t: usize) -> f64 {
     let own = rows.iter().enumerate();
     let own = own.filter(|(_, row)| row.tool() == Some(t));
-    own.map(|(i, _)| match solver.is_whole() {
-        true => solver.friction.force_n(i).norm(),
-        false => solver.problem.forces()[i],
-    })
-    .sum()
+    own.map(|(i, _)| solver.force_n(i).norm()).sum()
 }
 
 /// Finds what share of its rows' forces each tool's device bears.
@@ -36,10 +32,7 @@ pub(crate) fn limit_tools(
 /// Force of a row on its holder, N, scaled as the hand's was; its body gets the opposite.
 pub(crate) fn on_bodies(row: &Row, i: usize, solver: &Solver, tools: &[ToolScratch]) -> Vector3 {
     let factor = row.tool().map_or(1.0, |tool| tools[tool].borne);
-    match solver.is_whole() {
-        true => solver.friction.force_n(i) * factor,
-        false => row.normal * (solver.problem.forces()[i] * factor),
-    }
+    solver.force_n(i) * factor
 }
 
 /// Gives a row's force, scaled as the hand's was, to its bodies whose steps have more iterations than

@@ -5,11 +5,10 @@ use crate::contact::near::Near;
 use crate::party::{BodyScratch, Party as _, Pipeline, ToolScratch};
 use crate::rest::Rest;
 use crate::scene::{Pair, Scene};
-use crate::solve::complementarity::Complementarity;
 use crate::solve::delassus::Delassus;
-use crate::solve::friction::FrictionProblem;
 use crate::solve::indentation::{Indentation, Touch};
 use crate::solve::matrix::ContactMatrix;
+use crate::solve::problem::ContactProblem;
 use crate::solve::rows::{MAX_ROWS_PER_PAIR, RowSet, SampleInTouch};
 use crate::solve::solver::Solver;
 use palpate_geometry::contact::dispatch::Narrow;
@@ -98,7 +97,7 @@ impl Scene {
             .unwrap_or(0);
         let frictional = self.pairs.iter().any(|pair| pair.friction.is_some());
         let grips = self.tools.iter().any(|tool| tool.grip_n > 0.0);
-        let frictional_rows = if frictional || grips { most_rows } else { 0 };
+        let directions = most_rows * if frictional || grips { 3 } else { 1 };
         let mut scratch = Scratch {
             tools: self.tool_parties().map(|tool| tool.scratch()).collect(),
             bodies: self.parties().map(|body| body.scratch()).collect(),
@@ -108,11 +107,9 @@ impl Scene {
             rows: RowSet::new(most_rows, width),
             hits: Vec::with_capacity(MAX_ROWS_PER_PAIR),
             solver: Solver {
-                matrix: ContactMatrix::new(most_rows, frictional_rows),
-                problem: Complementarity::new(most_rows),
-                friction: FrictionProblem::new(frictional_rows),
-                sticks: Vec::with_capacity(frictional_rows),
-                cones: Vec::with_capacity(frictional_rows),
+                matrix: ContactMatrix::new(most_rows, directions),
+                problem: ContactProblem::new(most_rows, directions),
+                sticks: Vec::with_capacity(most_rows),
                 shares: Vec::with_capacity(most_rows),
                 barriers: Vec::with_capacity(most_rows),
                 delassus: Delassus::new(2 * most_rows, width, surface),

@@ -79,6 +79,25 @@ fn a_ball_on_a_plane_sticks_to_its_threshold_and_slips_at_it() {
     }
 }
 
+// Each row has the directions of its own law: who rubs beside it is nothing to a smooth tool, and the other way round.
+#[test]
+fn a_tool_that_rubs_and_a_smooth_one_beside_it_feel_what_they_feel_alone() {
+    let other = BALL
+        .replace("\"ball\"", "\"pen\"")
+        .replace("[0.0,", "[0.05,");
+    let floor = "[[body]]\nid = \"floor\"\nsurface = { builtin = \"sheet\", size = 0.2 }\n";
+    let mut both = World::new(&format!("{}{other}", sheet(0.4)));
+    let mut rubbing = World::new(&sheet(0.4));
+    let mut smooth = World::new(&format!("{floor}{other}"));
+    for k in 0..300 {
+        let (x, z) = (1e-5 * f64::from(k), (0.03 - 2e-4 * f64::from(k)).max(0.008));
+        let (first, second) = ([x, 0.5 * x, z], [0.05 + x, 0.5 * x, z]);
+        let together = both.all(&[(first, 0), (second, 0)]).tools;
+        let alone = [rubbing.at(first).tools[0], smooth.at(second).tools[0]];
+        assert_eq!([together[0], together[1]], alone, "tick {k}");
+    }
+}
+
 #[test]
 fn kinetic_friction_holds_less_and_static_friction_comes_back() {
     let text = sheet(0.5).replace("mu = 0.5", "mu = 0.5, mu_kinetic = 0.3");
@@ -489,7 +508,7 @@ fn a_world_restored_while_it_sticks_goes_on_to_the_bit() {
         for k in 0..700 {
             world.at(place(k));
         }
-        assert!(world.state.warm.friction && !world.state.warm.rows().is_empty());
+        assert!(world.state.warm.rows().iter().any(|row| row.rubs));
         let mut saved = SavedState::default();
         saved.save_from(&world.state);
         let mut again = World::new(&text);
