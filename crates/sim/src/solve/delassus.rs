@@ -1,7 +1,7 @@
 //! What rows on a deforming surface do to each other: J A Jᵀ, J the weights of the rows, A the operator by which the
 //! body's step answers loads, in 3 × 3 blocks between coordinates of its net.
 //!
-//! Rows share control points, so each block that matters is read once for a batch of sides. Blocks stand between frames
+//! Rows share control points, so each block that matters is read once for a batch of pushes. Blocks stand between frames
 //! that turn with the body: directions are turned into the frame of each control point, displacements back.
 
 use super::rigid_part::{Loads, RigidPart};
@@ -208,8 +208,7 @@ impl Delassus {
         }
     }
 
-    /// Calls `add` for every push and every side, once for each two sides, the row that is moved no later than the
-    /// other.
+    /// Calls `add` for every push of every two sides, the row that is moved no later than the other.
     pub fn each_pair(&mut self, compliance: &impl Compliance, mut add: impl FnMut(PairOfSides)) {
         self.turn(compliance);
         for first in (0..self.pushes.len()).step_by(BATCH) {
@@ -219,10 +218,14 @@ impl Delassus {
             if let Some(rigid) = compliance.rigid() {
                 self.add_rigid(rigid, first..last);
             }
-            for p in first..last {
-                for t in 0..=self.pushes[p].side as usize {
-                    add(self.pair(p, t, first));
+            let mut next = first;
+            for of_side in self.pushes[first..last].chunk_by(|a, b| a.side == b.side) {
+                for t in 0..=of_side[0].side as usize {
+                    for (k, push) in of_side.iter().enumerate() {
+                        add(self.pair(push, t, next + k - first));
+                    }
                 }
+                next += of_side.len();
             }
         }
     }
@@ -286,10 +289,11 @@ impl Delassus {
         }
     }
 
-    fn pair(&self, p: usize, t: usize, first: usize) -> PairOfSides {
+    /// How the `p`-th push of a batch moves a side.
+    fn pair(&self, push: &Push, t: usize, p: usize) -> PairOfSides {
         let slots = self.concerned.len();
-        let response = &self.response[slots * (p - first)..slots * (p - first + 1)];
-        let (push, moved_side) = (&self.pushes[p], &self.sides[t]);
+        let response = &self.response[slots * p..slots * (p + 1)];
+        let moved_side = &self.sides[t];
         let pushed = &self.sides[push.side as usize];
         let mut moved = [0.0; 4];
         for entry in &self.entries[moved_side.range()] {
@@ -516,8 +520,8 @@ mod tests {
             let all = sides(&mut delassus, count, places, &mut random);
             let mut pushes = all.iter().enumerate().flat_map(|(s, side)| {
                 let ways = directions(&normal(side.0), side.0 % 4 == 1);
-                let to = move |push: (usize, Vector3)| (0..=s).map(move |t| (s, t, push));
-                ways.enumerate().flat_map(to)
+                let by = move |t| ways.clone().enumerate().map(move |push| (s, t, push));
+                (0..=s).flat_map(by)
             });
             delassus.each_pair(&dense, |pair| {
                 let (s, t, (direction, way)) = pushes.next().unwrap();

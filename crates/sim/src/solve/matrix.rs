@@ -13,19 +13,19 @@ pub struct ContactMatrix {
     normals: Vec<Vector3>,
     /// Where the directions of each row begin, and where the last one's end.
     starts: Vec<usize>,
-    /// Of row after row.
-    directions: Vec<Vector3>,
+    /// Directions of all forces together.
+    size: usize,
     /// Direction by direction.
     entries: Vec<f64>,
 }
 
 /// Directions of a force: along the normal, or all.
 pub fn directions(normal: &Vector3, whole: bool) -> impl Iterator<Item = Vector3> + Clone + use<> {
-    let [first, y, z] = match whole {
-        true => [Vector3::x(), Vector3::y(), Vector3::z()],
-        false => [*normal; 3],
+    let (first, count) = match whole {
+        true => (Vector3::x(), 3),
+        false => (*normal, 1),
     };
-    [first, y, z].into_iter().take(if whole { 3 } else { 1 })
+    [first, Vector3::y(), Vector3::z()].into_iter().take(count)
 }
 
 impl ContactMatrix {
@@ -34,7 +34,7 @@ impl ContactMatrix {
         Self {
             normals: Vec::with_capacity(rows),
             starts: Vec::with_capacity(rows + 1),
-            directions: Vec::with_capacity(directions),
+            size: 0,
             entries: vec![0.0; directions * directions],
         }
     }
@@ -43,14 +43,14 @@ impl ContactMatrix {
     pub fn begin(&mut self, rows: impl Iterator<Item = (Vector3, bool)>) {
         self.normals.clear();
         self.starts.clear();
-        self.directions.clear();
+        self.size = 0;
         self.starts.push(0);
         for (normal, whole) in rows {
+            self.size += if whole { 3 } else { 1 };
             self.normals.push(normal);
-            self.directions.extend(directions(&normal, whole));
-            self.starts.push(self.directions.len());
+            self.starts.push(self.size);
         }
-        let size = self.size();
+        let size = self.size;
         debug_assert!(size * size <= self.entries.len(), "more rows than room");
         self.entries[..size * size].fill(0.0);
     }
@@ -62,7 +62,7 @@ impl ContactMatrix {
 
     /// Directions of all forces together.
     pub fn size(&self) -> usize {
-        self.directions.len()
+        self.size
     }
 
     /// Those of a row's force.
@@ -70,33 +70,53 @@ impl ContactMatrix {
         self.starts[i]..self.starts[i + 1]
     }
 
-    /// Adds to D_ij how a force on row j moves row i, and as much the other way round.
+    fn is_whole(&self, i: usize) -> bool {
+        self.span(i).len() == 3
+    }
+
+    /// Adds to D_ij how a force on row j moves row i, and as much to D_ji.
+    #[inline]
     pub fn add(&mut self, i: usize, j: usize, block: &Matrix3) {
-        self.add_by(i, j, |force| block * force);
-    }
-
-    /// Adds what moves alike in every direction.
-    pub fn add_isotropic(&mut self, i: usize, j: usize, m_per_n: f64) {
-        self.add_by(i, j, |force| force * m_per_n);
-    }
-
-    #[inline(always)]
-    fn add_by(&mut self, i: usize, j: usize, moved: impl Fn(&Vector3) -> Vector3) {
-        // Of a row by itself both ways round are one.
+        // Of a row by itself both are one.
         let share = if i == j { 0.5 } else { 1.0 };
         for k in 0..self.span(j).len() {
-            let moved = moved(&self.directions[self.starts[j] + k]) * share;
+            let moved = match self.is_whole(j) {
+                true => block.column(k) * share,
+                false => block * (self.normals[j] * share),
+            };
             self.add_moved(i, (j, k), &moved);
         }
     }
 
+    /// Adds what moves alike in every direction.
+    #[inline]
+    pub fn add_isotropic(&mut self, i: usize, j: usize, m_per_n: f64) {
+        if self.is_whole(i) || self.is_whole(j) {
+            return self.add(i, j, &Matrix3::from_diagonal_element(m_per_n));
+        }
+        let share = if i == j { 0.5 } else { 1.0 };
+        let along = self.normals[i].dot(&self.normals[j]) * (m_per_n * share);
+        self.add_along(i, self.starts[j], [along]);
+    }
+
     /// Adds how far one newton along a direction of row j moves row i, m, and as much the other way round.
+    #[inline]
     pub fn add_moved(&mut self, i: usize, (j, direction): (usize, usize), moved: &Vector3) {
-        let (size, b) = (self.size(), self.starts[j] + direction);
-        for a in self.span(i) {
-            let m_per_n = self.directions[a].dot(moved);
-            self.entries[a * size + b] += m_per_n;
-            self.entries[b * size + a] += m_per_n;
+        let b = self.starts[j] + direction;
+        match self.is_whole(i) {
+            true => self.add_along(i, b, [moved.x, moved.y, moved.z]),
+            false => self.add_along(i, b, [self.normals[i].dot(moved)]),
+        }
+    }
+
+    #[inline]
+    fn add_along<const N: usize>(&mut self, i: usize, b: usize, m_per_n: [f64; N]) {
+        let (size, a) = (self.size, self.starts[i]);
+        for (own, more) in self.entries[b * size + a..][..N].iter_mut().zip(m_per_n) {
+            *own += more;
+        }
+        for (k, more) in m_per_n.into_iter().enumerate() {
+            self.entries[(a + k) * size + b] += more;
         }
     }
 
@@ -112,9 +132,9 @@ impl ContactMatrix {
 
     /// How far a row gives way along its normal under its own push, m/N.
     pub fn along(&self, i: usize) -> f64 {
-        match self.span(i).len() {
-            1 => self.entry(self.starts[i], self.starts[i]),
-            _ => self.normals[i].dot(&(self.block(i, i) * self.normals[i])),
+        match self.is_whole(i) {
+            true => self.normals[i].dot(&(self.block(i, i) * self.normals[i])),
+            false => self.entry(self.starts[i], self.starts[i]),
         }
     }
 

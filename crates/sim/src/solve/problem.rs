@@ -35,8 +35,6 @@ struct Bound {
     law: FrictionLaw,
     /// Its directions among those of all.
     span: Range<usize>,
-    /// Against its own force along the normal and across it, no more than it has, N/m; within a solve.
-    stiffness: [f64; 2],
     /// The last sweep met the edge of its cone.
     slips: bool,
 }
@@ -45,6 +43,8 @@ struct Bound {
 #[derive(Clone, Debug)]
 pub struct ContactProblem {
     rows: Vec<Bound>,
+    /// By row: against its own force along the normal and across it, no more than it has, N/m; within a solve.
+    stiffness: Vec<[f64; 2]>,
     /// By direction: b, m.
     free: Vec<f64>,
     /// By direction: f, N.
@@ -58,6 +58,7 @@ impl ContactProblem {
     pub fn new(rows: usize, directions: usize) -> Self {
         Self {
             rows: Vec::with_capacity(rows),
+            stiffness: Vec::with_capacity(rows),
             free: Vec::with_capacity(directions),
             forces: Vec::with_capacity(directions),
             displaced: Vec::with_capacity(directions),
@@ -67,6 +68,7 @@ impl ContactProblem {
     /// No rows.
     pub fn clear(&mut self) {
         self.rows.clear();
+        self.stiffness.clear();
         self.free.clear();
         self.forces.clear();
         self.displaced.clear();
@@ -93,11 +95,11 @@ impl ContactProblem {
         }
         self.free.resize(self.forces.len(), 0.0);
         self.displaced.resize(self.forces.len(), 0.0);
+        self.stiffness.push([0.0; 2]);
         self.rows.push(Bound {
             normal: *normal,
             law,
             span: start..self.forces.len(),
-            stiffness: [0.0; 2],
             slips: false,
         });
     }
@@ -139,13 +141,14 @@ impl ContactProblem {
     fn sweep(&mut self, matrix: &ContactMatrix, sweeps: usize) {
         let Self {
             rows,
+            stiffness,
             free,
             forces,
             displaced,
         } = self;
         displaced.copy_from_slice(free);
-        for (i, row) in rows.iter_mut().enumerate() {
-            row.stiffness = row.bound(matrix, i);
+        for (i, row) in rows.iter().enumerate() {
+            stiffness[i] = row.bound(matrix, i);
             let force = &forces[row.span.clone()];
             if force.iter().any(|n| *n != 0.0) {
                 displace(displaced, matrix.columns(i), force);
@@ -153,29 +156,29 @@ impl ContactProblem {
         }
         for _ in 0..sweeps {
             let (mut largest, mut most_changed) = (0.0f64, 0.0f64);
-            for (i, row) in rows.iter_mut().enumerate() {
-                let Range { start, end } = row.span;
-                let (size, changed) = if end - start == 1 {
-                    let next = row.next_along(forces[start], displaced[start]);
-                    let change = next - forces[start];
+            for (i, stiffness) in stiffness.iter().enumerate() {
+                let Range { start, end } = matrix.span(i);
+                if end - start == 1 {
+                    let force = &mut forces[start];
+                    let next = pushed(*force - displaced[start] * stiffness[0], stiffness);
+                    let change = next - *force;
                     if change != 0.0 {
-                        forces[start] = next;
+                        *force = next;
                         displace(displaced, matrix.columns(i), &[change]);
+                        most_changed = most_changed.max(change * change);
                     }
-                    (next * next, change * change)
+                    largest = largest.max(next * next);
                 } else {
-                    let force = Vector3::from_column_slice(&forces[start..end]);
-                    let next =
-                        row.next(&force, &Vector3::from_column_slice(&displaced[start..end]));
+                    let force = vector(&forces[start..end]);
+                    let next = rows[i].next(&force, &vector(&displaced[start..end]), stiffness);
                     let change = next - force;
                     if change != Vector3::zeros() {
                         forces[start..end].copy_from_slice(next.as_slice());
                         displace(displaced, matrix.columns(i), change.as_slice());
+                        most_changed = most_changed.max(change.norm_squared());
                     }
-                    (next.norm_squared(), change.norm_squared())
-                };
-                largest = largest.max(size);
-                most_changed = most_changed.max(changed);
+                    largest = largest.max(next.norm_squared());
+                }
             }
             if most_changed <= SETTLED * SETTLED * largest {
                 break;
@@ -187,7 +190,7 @@ impl ContactProblem {
     pub fn normal_n(&self, i: usize) -> f64 {
         match &self.forces[self.rows[i].span.clone()] {
             [normal_n] => *normal_n,
-            force => self.rows[i].normal.dot(&Vector3::from_column_slice(force)),
+            force => self.rows[i].normal.dot(&vector(force)),
         }
     }
 
@@ -241,7 +244,7 @@ impl ContactProblem {
     pub fn gap_after(&self, i: usize) -> f64 {
         match &self.displaced[self.rows[i].span.clone()] {
             [gap_m] => *gap_m,
-            u => self.rows[i].normal.dot(&Vector3::from_column_slice(u)),
+            u => self.rows[i].normal.dot(&vector(u)),
         }
     }
 
@@ -261,6 +264,21 @@ impl ContactProblem {
 #[target_feature(enable = "avx2")]
 fn solve_avx2(problem: &mut ContactProblem, matrix: &ContactMatrix, sweeps: usize) {
     problem.sweep(matrix, sweeps);
+}
+
+#[inline(always)]
+fn vector(values: &[f64]) -> Vector3 {
+    Vector3::new(values[0], values[1], values[2])
+}
+
+/// What a row that only pushes makes of a wish.
+#[inline(always)]
+fn pushed(wish: f64, stiffness: &[f64; 2]) -> f64 {
+    if stiffness[0] > 0.0 && wish > 0.0 {
+        wish
+    } else {
+        0.0
+    }
 }
 
 /// u += D f, of one row's columns of D.
@@ -285,7 +303,7 @@ impl Bound {
     fn whole(&self, values: &[f64]) -> Vector3 {
         match &values[self.span.clone()] {
             [along] => self.normal * *along,
-            whole => Vector3::from_column_slice(whole),
+            whole => vector(whole),
         }
     }
 
@@ -329,35 +347,24 @@ impl Bound {
         [along + coupled, across + coupled]
     }
 
-    /// The push of a row after `force`, under which its gap is `gap`.
-    #[inline(always)]
-    fn next_along(&self, force: f64, gap: f64) -> f64 {
-        let wish = force - gap * self.stiffness[0];
-        if self.stiffness[0] > 0.0 && wish > 0.0 {
-            wish
-        } else {
-            0.0
-        }
-    }
-
     /// The force of a row after `force`, under which it is displaced by `u`.
     #[inline(always)]
-    fn next(&mut self, force: &Vector3, u: &Vector3) -> Vector3 {
-        let [along, across] = self.stiffness;
+    fn next(&mut self, force: &Vector3, u: &Vector3, stiffness: &[f64; 2]) -> Vector3 {
+        let [along, across] = *stiffness;
         if across == 0.0 {
             return Vector3::zeros();
         }
         if along == across {
-            return self.allowed(&(force - u * across));
+            return self.allowed(&(force - u * across), across);
         }
         let depth = u.dot(&self.normal);
         let wish = force - self.normal * (depth * along) - (u - self.normal * depth) * across;
-        self.allowed(&wish)
+        self.allowed(&wish, across)
     }
 
-    /// The force the row takes when `wish` would bring its displacement to zero.
+    /// The force the row takes when `wish` would bring its displacement to zero; `across`: its stiffness there, N/m.
     #[inline(always)]
-    fn allowed(&mut self, wish: &Vector3) -> Vector3 {
+    fn allowed(&mut self, wish: &Vector3, across: f64) -> Vector3 {
         match self.law {
             FrictionLaw::Push { mu, drag_n_m } => {
                 let along = wish.dot(&self.normal);
@@ -370,7 +377,7 @@ impl Bound {
                 let (size, most) = (tangent.norm(), mu * along);
                 self.slips = size > most;
                 // Slip is (size − |t|) over the stiffness, against the way, and |t| = most + drag × slip.
-                let drag = drag_n_m / self.stiffness[1];
+                let drag = drag_n_m / across;
                 let scale = if self.slips {
                     (most + drag * size) / ((1.0 + drag) * size)
                 } else {
