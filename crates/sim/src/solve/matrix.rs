@@ -112,11 +112,13 @@ impl ContactMatrix {
     #[inline]
     fn add_along<const N: usize>(&mut self, i: usize, b: usize, m_per_n: [f64; N]) {
         let (size, a) = (self.size, self.starts[i]);
-        for (own, more) in self.entries[b * size + a..][..N].iter_mut().zip(m_per_n) {
-            *own += more;
-        }
-        for (k, more) in m_per_n.into_iter().enumerate() {
-            self.entries[(a + k) * size + b] += more;
+        for (a, more) in (a..).zip(m_per_n) {
+            if a == b {
+                self.entries[a * size + a] += more + more;
+            } else {
+                self.entries[b * size + a] += more;
+                self.entries[a * size + b] += more;
+            }
         }
     }
 

@@ -25,7 +25,8 @@ use super::matrix::ContactMatrix;
 use palpate_geometry::math::{Matrix3, Vector3};
 use std::ops::Range;
 
-/// A solve has settled when no force changes by more than this share of the largest.
+/// A solve has settled when no force of three directions changes by more than this share of the largest, and no
+/// other changes.
 const SETTLED: f64 = 1e-15;
 
 /// One row.
@@ -159,15 +160,17 @@ impl ContactProblem {
             for (i, stiffness) in stiffness.iter().enumerate() {
                 let Range { start, end } = matrix.span(i);
                 if end - start == 1 {
-                    let force = &mut forces[start];
-                    let next = pushed(*force - displaced[start] * stiffness[0], stiffness);
-                    let change = next - *force;
+                    let column = matrix.columns(i);
+                    let (force, own) = (forces[start], column[start]);
+                    let wish = force - displaced[start] / own;
+                    let next = if own > 0.0 && wish > 0.0 { wish } else { 0.0 };
+                    let change = next - force;
                     if change != 0.0 {
-                        *force = next;
-                        displace(displaced, matrix.columns(i), &[change]);
-                        most_changed = most_changed.max(change * change);
+                        forces[start] = next;
+                        displace(displaced, column, &[change]);
+                        // These come to rest to the last bit.
+                        most_changed = f64::INFINITY;
                     }
-                    largest = largest.max(next * next);
                 } else {
                     let force = vector(&forces[start..end]);
                     let next = rows[i].next(&force, &vector(&displaced[start..end]), stiffness);
@@ -269,16 +272,6 @@ fn solve_avx2(problem: &mut ContactProblem, matrix: &ContactMatrix, sweeps: usiz
 #[inline(always)]
 fn vector(values: &[f64]) -> Vector3 {
     Vector3::new(values[0], values[1], values[2])
-}
-
-/// What a row that only pushes makes of a wish.
-#[inline(always)]
-fn pushed(wish: f64, stiffness: &[f64; 2]) -> f64 {
-    if stiffness[0] > 0.0 && wish > 0.0 {
-        wish
-    } else {
-        0.0
-    }
 }
 
 /// u += D f, of one row's columns of D.
