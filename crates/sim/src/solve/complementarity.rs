@@ -46,6 +46,16 @@ impl Complementarity {
         self.force[i] = warm_n;
     }
 
+    /// The problem of another, its gaps off by so much (m), from its forces.
+    pub fn set_off(&mut self, other: &Self, off_m: impl Iterator<Item = f64>) {
+        self.len = other.len;
+        self.force[..self.len].copy_from_slice(other.forces());
+        let gaps = other.gap[..self.len].iter().zip(off_m);
+        for (to, (gap, off)) in self.gap.iter_mut().zip(gaps) {
+            *to = gap + off;
+        }
+    }
+
     /// Runs `sweeps` sweeps, or until one changes nothing; forces are then in
     /// [`Complementarity::forces`].
     pub fn solve(&mut self, matrix: &ContactMatrix, sweeps: usize) {

@@ -139,6 +139,16 @@ impl FrictionProblem {
         self.rows[i].free = *free_m;
     }
 
+    /// The problem of another, its rows off by so much (m), from its forces.
+    pub fn set_off(&mut self, other: &Self, off_m: &[Vector3]) {
+        self.rows.clone_from(&other.rows);
+        self.forces.clone_from(&other.forces);
+        self.displaced.clone_from(&other.displaced);
+        for (row, off) in self.rows.iter_mut().zip(off_m) {
+            row.free += off;
+        }
+    }
+
     /// Runs `sweeps` sweeps, or until one changes nothing.
     pub fn solve(&mut self, matrix: &ContactMatrix, sweeps: usize) {
         debug_assert!(sweeps > 0, "a solve of no sweeps");

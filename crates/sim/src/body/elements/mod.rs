@@ -10,7 +10,7 @@ pub(super) mod springs;
 
 use super::material::Stiffening;
 pub use bends::Bend;
-use continuum::{ContinuumLaw, Given, VolumeBarrier};
+use continuum::{ContinuumLaw, Given, Growth, VolumeBarrier};
 pub use law::{Edge, Weight};
 pub(crate) use law::{ForceLaw, Place};
 use palpate_geometry::math::{Lane, Matrix3, Point3, Vector3};
@@ -165,6 +165,59 @@ impl MaterialLaw {
         }
         if let Some(continuum) = &self.continuum {
             continuum.add_forces_of(rest, given, places, residual);
+        }
+    }
+
+    /// Parts of the law, each with its nodes: blocks of cells, springs, bends.
+    pub(in crate::body) fn parts(&self) -> Vec<Vec<u32>> {
+        let continuum = self.continuum.as_ref();
+        let mut parts = continuum.map_or(Vec::new(), ContinuumLaw::nodes_of_parts);
+        parts.extend(self.springs.ends().map(|ends| ends.to_vec()));
+        parts.extend(self.others.iter().flat_map(|law| law.parts()));
+        parts
+    }
+
+    /// [`MaterialLaw::add_forces`] of some parts (ascending), under given pressures.
+    pub(in crate::body) fn add_forces_of_parts(
+        &self,
+        mut parts: &[u32],
+        rest: &[Lane],
+        given: Given<'_>,
+        places: &[Lane],
+        residual: &mut [Lane],
+    ) {
+        let mut first = 0;
+        let mut next = |count: usize| {
+            let begin = first;
+            first += count as u32;
+            let (own, others) = parts.split_at(parts.partition_point(|part| *part < first));
+            parts = others;
+            (own, begin)
+        };
+        if let Some(continuum) = &self.continuum {
+            let own = next(continuum.part_count());
+            continuum.add_forces_of_some(own, rest, Some(given), places, residual);
+        }
+        let own = next(self.springs.len());
+        self.springs.add_forces_of_some(own, rest, places, residual);
+        for law in &self.others {
+            law.add_forces_of_parts(next(law.part_count()), places, residual);
+        }
+    }
+
+    /// What closing the gaps of the pressures of some parts takes from `loads` (nodes), as
+    /// [`ContinuumLaw::condense`].
+    pub(in crate::body) fn condense_parts(
+        &self,
+        parts: &[u32],
+        growth: &[Growth],
+        gaps: &[Lane],
+        loads: &mut [Lane],
+    ) {
+        if let Some(continuum) = &self.continuum {
+            let count = continuum.part_count() as u32;
+            let own = &parts[..parts.partition_point(|part| *part < count)];
+            continuum.condense_some((own, 0), growth, gaps, loads);
         }
     }
 
