@@ -179,7 +179,9 @@ fn measured(
         device,
         ..Drop::led(model, poisson, DAMPING_S, Setting::auto(iterations))
     };
-    let (mut world, other) = (World::new(&drop.text())?, World::new(&drop.text())?);
+    // The exact step meets a ball: the capsule must be one to less than what counts.
+    let text = drop.text().replace("half_length_m = 1e-7", "half_length_m = 1e-10");
+    let (mut world, other) = (World::new(&text)?, World::new(&text)?);
     let (body, _) = other.body()?;
     let mut exact = ExactStep::new(body);
     exact.damping_s = DAMPING_S;
