@@ -14,9 +14,6 @@ use super::scratch::DeformableScratch;
 use super::state::DeformableState;
 use palpate_geometry::math::{Lane, Vector3};
 
-/// Contact forces smaller than this share of the largest say of their coordinates that they lie at the rim.
-const RIM: f64 = 0.05;
-
 /// Lists, one after the other.
 #[derive(Debug, Default)]
 struct Lists<T> {
@@ -145,10 +142,8 @@ impl Missed {
             self.has_node[node as usize] = false;
         }
         self.loads.clear();
-        let squares = carried.iter().map(|(_, force)| force.norm_squared());
-        let least = RIM * RIM * squares.fold(0.0, f64::max);
         for (coordinate, force) in carried {
-            if force.norm_squared() < least || *force == Vector3::zeros() {
+            if *force == Vector3::zeros() {
                 continue;
             }
             let place = place_of(*coordinate);

@@ -180,7 +180,9 @@ fn measured(
         ..Drop::led(model, poisson, DAMPING_S, Setting::auto(iterations))
     };
     // The exact step meets a ball: the capsule must be one to less than what counts.
-    let text = drop.text().replace("half_length_m = 1e-7", "half_length_m = 1e-10");
+    let text = drop
+        .text()
+        .replace("half_length_m = 1e-7", "half_length_m = 1e-9");
     let (mut world, other) = (World::new(&text)?, World::new(&text)?);
     let (body, _) = other.body()?;
     let mut exact = ExactStep::new(body);
