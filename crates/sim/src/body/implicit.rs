@@ -528,7 +528,7 @@ impl ImplicitStep {
         }
     }
 
-    /// [`About::look`], with the matrix of the step.
+    /// [`About::look`], where damping looks ahead as it does in the step.
     pub(super) fn miss(
         &self,
         matter: &Matter,
@@ -537,14 +537,9 @@ impl ImplicitStep {
         state: &DeformableState,
         scratch: &mut DeformableScratch,
     ) {
-        let followed = scratch.implicit.followed.clone();
-        let own = &self.cores[scratch.implicit.core];
-        let core = followed.as_ref().map_or(own, |made| &*made.0);
         let springs = self.springs.as_ref();
         let look_ahead = springs.and_then(|springs| springs.look_ahead.as_ref());
-        about.look(matter, (core, look_ahead), state, scratch, |c| {
-            column[c as usize]
-        });
+        about.look(matter, look_ahead, state, scratch, |c| column[c as usize]);
     }
 
     /// Residual of backward Euler at the guess in `scratch.reached`, with the contact forces in

@@ -2,11 +2,12 @@
 //!
 //! Only coordinates that contact forces press are looked at, and only the cells, springs and bends about them: what is
 //! left elsewhere moves the contact by little (`palpate-bench trust`), and a pass over all of a body costs a tenth of its tick.
+//!
+//! Gaps of pressures, J − 1 − q / λ, are not looked at: closing one presses all nodes of a cell, which hardly moves them; a
+//! part of these loads alone would move them λ / μ times as far.
 
-use super::core::Core;
 use super::elements::MaterialLaw;
 use super::elements::continuum::Given;
-use super::frame::from_rest;
 use super::look_ahead::LookAhead;
 use super::matter::Matter;
 use super::node_map::NodeMap;
@@ -172,7 +173,7 @@ impl About {
     pub fn look(
         &self,
         matter: &Matter,
-        (core, look_ahead): (&Core, Option<&LookAhead>),
+        look_ahead: Option<&LookAhead>,
         state: &DeformableState,
         scratch: &mut DeformableScratch,
         place_of: impl Fn(u32) -> u32,
@@ -201,11 +202,9 @@ impl About {
                 (nodes, node_residual)
             }
         };
-        let clear = |forces: &mut [Lane]| {
-            for &node in &missed.nodes {
-                forces[node as usize] = [0.0; 4];
-            }
-        };
+        for &node in &missed.nodes {
+            forces[node as usize] = [0.0; 4];
+        }
         // Of a coordinate.
         let gathered = |place: u32, forces: &[Lane]| -> Lane {
             let mut sum = [0.0; 4];
@@ -216,7 +215,6 @@ impl About {
             }
             sum
         };
-        clear(forces);
         let given = Given {
             pressures: &implicit.pressures,
             gaps: &mut implicit.gaps,
@@ -240,18 +238,6 @@ impl About {
             if let Ok(k) = carried.binary_search_by_key(&(c as u32), |entry| entry.0) {
                 *load += carried[k].1;
             }
-        }
-        // What closing the gaps of the pressures pulls.
-        if core.growth.is_empty() {
-            return;
-        }
-        clear(forces);
-        law.condense_parts(&missed.parts, &core.growth, &implicit.gaps, forces);
-        for (place, load) in &mut missed.loads {
-            let unknown = matter.unknown[matter.surface[*place as usize] as usize];
-            let pull = gathered(*place, forces);
-            let [x, y, z, _] = from_rest(&implicit.frames[unknown as usize], &pull);
-            *load += Vector3::new(x, y, z);
         }
     }
 }

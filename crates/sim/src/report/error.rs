@@ -9,8 +9,8 @@
 //! - the normal n': it has turned, and the force f with it; what that changes of the load counts in r.
 //!
 //! Under gaps off by these the rows are solved for once more, on the same matrix D and from the forces that are there.
-//! The difference of a tool's forces, and what their turning makes, is its error: one more Newton step of the whole tick,
-//! as far as contact sees it. Where the step has converged it is zero.
+//! The difference of a tool's forces, and what their turning makes, is one more Newton step of the whole tick, as far as
+//! contact sees it; the error is twice that. Where the step has converged it is zero.
 //!
 //! Not seen: what is left of the equation beyond the coordinates that carry; bodies that take several ticks a step, or
 //! step without a matrix; gaps of B-spline tools and between bodies.
@@ -29,6 +29,9 @@ use palpate_geometry::math::{Point3, Pose, Rotation, Vector3};
 
 /// Sweeps over the rows: they start from the forces that are there, and only the sum counts.
 const SWEEPS: usize = 5;
+/// Times what that step changes: further ones would go on. Where each changes at most half as much as the one before, all
+/// of them together change no more.
+const FURTHER: f64 = 2.0;
 /// An error that a hand may feel: more than this, N, and more than this share of the force.
 const FELT_N: f64 = 0.02;
 const FELT_SHARE: f64 = 0.05;
@@ -134,7 +137,7 @@ pub(crate) fn estimate(balance: &mut Balance<'_>, pairs: &[Narrow], errors: &mut
             };
             force - solver.force_n(i, &rows[i]) + turned[i]
         });
-        *error_n = changes.sum::<Vector3>().norm() * balance.tool_parts[t].borne;
+        *error_n = changes.sum::<Vector3>().norm() * FURTHER * balance.tool_parts[t].borne;
     }
 }
 

@@ -10,7 +10,7 @@ pub(super) mod springs;
 
 use super::material::Stiffening;
 pub use bends::Bend;
-use continuum::{ContinuumLaw, Given, Growth, VolumeBarrier};
+use continuum::{ContinuumLaw, Given, VolumeBarrier};
 pub use law::{Edge, Weight};
 pub(crate) use law::{ForceLaw, Place};
 use palpate_geometry::math::{Lane, Matrix3, Point3, Vector3};
@@ -202,22 +202,6 @@ impl MaterialLaw {
         self.springs.add_forces_of_some(own, rest, places, residual);
         for law in &self.others {
             law.add_forces_of_parts(next(law.part_count()), places, residual);
-        }
-    }
-
-    /// What closing the gaps of the pressures of some parts takes from `loads` (nodes), as
-    /// [`ContinuumLaw::condense`].
-    pub(in crate::body) fn condense_parts(
-        &self,
-        parts: &[u32],
-        growth: &[Growth],
-        gaps: &[Lane],
-        loads: &mut [Lane],
-    ) {
-        if let Some(continuum) = &self.continuum {
-            let count = continuum.part_count() as u32;
-            let own = &parts[..parts.partition_point(|part| *part < count)];
-            continuum.condense_some((own, 0), growth, gaps, loads);
         }
     }
 

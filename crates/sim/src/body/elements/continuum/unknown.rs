@@ -93,29 +93,6 @@ impl ContinuumLaw {
         }
     }
 
-    /// [`ContinuumLaw::condense`] of some parts, whose numbers count from a first one.
-    pub(in crate::body) fn condense_some(
-        &self,
-        (parts, first): (&[u32], u32),
-        growth: &[Growth],
-        gaps: &[Lane],
-        loads: &mut [Lane],
-    ) {
-        let (of_cells, of_patches) = gaps.split_at(self.blocks.len());
-        for part in parts {
-            let part = (part - first) as usize;
-            let shared = match self.patches.get(part) {
-                Some(patch) => patch.lame_pa * of_patches.as_flattened()[part],
-                None => 0.0,
-            };
-            for k in self.blocks_of_part(part) {
-                let block = &self.blocks[k];
-                let own = Baseline::load(&block.bulk_pa) * Baseline::load(&of_cells[k]);
-                take::<Baseline>(block, &growth[k], own + Baseline::splat(shared), loads);
-            }
-        }
-    }
-
     /// Changes pressures (Pa) by λ (c + s G₀·d / V): `moved` is d of the nodes, m, in the frame of the matrix, `share` is
     /// s. Without gaps c is zero.
     pub(in crate::body) fn press(
