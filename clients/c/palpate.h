@@ -379,7 +379,8 @@ static inline size_t palpate_tool_pose_key(char *out, size_t room, const char *i
 #define PALPATE_FORCE_FLAGS_WITHHELD 256u
 /*
  * The force is less accurate than the scene asks for: the step of a body that the tool presses fell
- * back to another matrix or was shortened, or quality is lowered.
+ * back to another matrix or was shortened, quality is lowered, or the force may be off by more than
+ * 5 % and 0.02 N.
  */
 #define PALPATE_FORCE_FLAGS_DEGRADED 512u
 
@@ -484,6 +485,121 @@ static inline int palpate_tool_force_encode(const palpate_tool_force *in, uint8_
 /* Key of the message; see palpate_join. An id may be "*" to subscribe to all. */
 static inline size_t palpate_tool_force_key(char *out, size_t room, const char *instance, const char *tool) {
   const char *const parts[] = {"palpate/", instance, "/tool/", tool, "/force"};
+  return palpate_join(out, room, parts, sizeof parts / sizeof parts[0]);
+}
+
+/* ToolForce, and how far it may be off. Sent while somebody subscribes. */
+typedef struct palpate_tool_force_v2 {
+  /* Tick that made it. */
+  uint64_t tick;
+  /* seq of the pose that took effect (0: none yet). */
+  uint64_t pose_seq;
+  /* t_client_ns of that pose. */
+  uint64_t t_client_ns;
+  /* Server's clock when published, ns. */
+  uint64_t t_server_ns;
+  /* N. */
+  double force[3];
+  /* N·m. */
+  double torque[3];
+  /* Where the surface holds the tool back, m. */
+  double proxy_position[3];
+  /* x y z w. */
+  double proxy_orientation[4];
+  /* Penetration of the device's tool into the surface, m; 0 without contact. */
+  double depth;
+  /* Contact regions. */
+  uint16_t contact_count;
+  /* ForceFlags. */
+  uint32_t flags;
+  /*
+   * How far the force may be from the one that the exact step of the same length would give from
+   * the same state, N: an estimate, 0 on rigid bodies.
+   */
+  double error_n;
+  /* Reserved for the force on a jaw, N or N·m; 0. */
+  double jaw_force;
+} palpate_tool_force_v2;
+
+static inline void palpate_tool_force_v2_read(palpate_reader *reader, palpate_tool_force_v2 *out) {
+  out->tick = palpate_read_varint(reader, 64);
+  out->pose_seq = palpate_read_varint(reader, 64);
+  out->t_client_ns = palpate_read_varint(reader, 64);
+  out->t_server_ns = palpate_read_varint(reader, 64);
+  for (size_t k0 = 0; k0 < 3; k0++) {
+    out->force[k0] = palpate_read_f64(reader);
+  }
+  for (size_t k0 = 0; k0 < 3; k0++) {
+    out->torque[k0] = palpate_read_f64(reader);
+  }
+  for (size_t k0 = 0; k0 < 3; k0++) {
+    out->proxy_position[k0] = palpate_read_f64(reader);
+  }
+  for (size_t k0 = 0; k0 < 4; k0++) {
+    out->proxy_orientation[k0] = palpate_read_f64(reader);
+  }
+  out->depth = palpate_read_f64(reader);
+  out->contact_count = (uint16_t)palpate_read_varint(reader, 16);
+  out->flags = (uint32_t)palpate_read_varint(reader, 32);
+  out->error_n = palpate_read_f64(reader);
+  out->jaw_force = palpate_read_f64(reader);
+}
+
+static inline void palpate_tool_force_v2_write(palpate_writer *writer, const palpate_tool_force_v2 *in) {
+  palpate_write_varint(writer, in->tick);
+  palpate_write_varint(writer, in->pose_seq);
+  palpate_write_varint(writer, in->t_client_ns);
+  palpate_write_varint(writer, in->t_server_ns);
+  for (size_t k0 = 0; k0 < 3; k0++) {
+    palpate_write_f64(writer, in->force[k0]);
+  }
+  for (size_t k0 = 0; k0 < 3; k0++) {
+    palpate_write_f64(writer, in->torque[k0]);
+  }
+  for (size_t k0 = 0; k0 < 3; k0++) {
+    palpate_write_f64(writer, in->proxy_position[k0]);
+  }
+  for (size_t k0 = 0; k0 < 4; k0++) {
+    palpate_write_f64(writer, in->proxy_orientation[k0]);
+  }
+  palpate_write_f64(writer, in->depth);
+  palpate_write_varint(writer, in->contact_count);
+  palpate_write_varint(writer, in->flags);
+  palpate_write_f64(writer, in->error_n);
+  palpate_write_f64(writer, in->jaw_force);
+}
+
+/* Schema of the encoding application/octet-stream that goes with it. */
+#define PALPATE_TOOL_FORCE_V2_SCHEMA "postcard;palpate.ToolForce.v2"
+/* Greatest size, bytes. */
+#define PALPATE_TOOL_FORCE_V2_MAX_BYTES 16777216
+
+/* Reads a message of `size` bytes. What is in `out` after a fault is unspecified. */
+static inline int palpate_tool_force_v2_decode(palpate_tool_force_v2 *out, const uint8_t *bytes, size_t size) {
+  palpate_reader reader;
+  if (size > PALPATE_TOOL_FORCE_V2_MAX_BYTES) return PALPATE_OVERSIZED;
+  reader.next = bytes;
+  reader.end = size > 0 ? bytes + size : bytes;
+  reader.fault = PALPATE_OK;
+  palpate_tool_force_v2_read(&reader, out);
+  return palpate_read_end(&reader);
+}
+
+/* Writes a message into `room` bytes; `size` is how many it takes. */
+static inline int palpate_tool_force_v2_encode(const palpate_tool_force_v2 *in, uint8_t *bytes, size_t room, size_t *size) {
+  palpate_writer writer;
+  writer.next = bytes;
+  writer.end = room > 0 ? bytes + room : bytes;
+  writer.fault = PALPATE_OK;
+  palpate_tool_force_v2_write(&writer, in);
+  *size = writer.next == bytes ? 0 : (size_t)(writer.next - bytes);
+  if (writer.fault == PALPATE_OK && *size > PALPATE_TOOL_FORCE_V2_MAX_BYTES) return PALPATE_OVERSIZED;
+  return writer.fault;
+}
+
+/* Key of the message; see palpate_join. An id may be "*" to subscribe to all. */
+static inline size_t palpate_tool_force_v2_key(char *out, size_t room, const char *instance, const char *tool) {
+  const char *const parts[] = {"palpate/", instance, "/tool/", tool, "/force_v2"};
   return palpate_join(out, room, parts, sizeof parts / sizeof parts[0]);
 }
 

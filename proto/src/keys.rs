@@ -3,7 +3,7 @@
 
 use crate::messages::{
     ALL, ContactSet, ControlNet, DeviceInfo, LoopStatus, Message, SceneSnapshot, SimEvent,
-    ToolContact, ToolForce, ToolPose,
+    ToolContact, ToolForce, ToolForceV2, ToolPose,
 };
 
 /// An id that cannot be a chunk of a key.
@@ -60,6 +60,11 @@ impl Keys {
     /// Forces of a tool, daemon → tool.
     pub fn tool_force(&self, tool: &str) -> String {
         self.of::<ToolForce>(tool)
+    }
+
+    /// The same with their errors.
+    pub fn tool_force_v2(&self, tool: &str) -> String {
+        self.of::<ToolForceV2>(tool)
     }
 
     /// What contacts do to a tool, daemon → all.

@@ -77,7 +77,8 @@ crate::layout::messages! {
         /// No force: the tool was seated inside a body, and its contact force was not small once since then.
         WITHHELD = 8,
         /// The force is less accurate than the scene asks for: the step of a body that the tool presses fell back
-        /// to another matrix or was shortened, or quality is lowered.
+        /// to another matrix or was shortened, quality is lowered, or the force may be off by more than 5 % and
+        /// 0.02 N.
         DEGRADED = 9,
     }
 
@@ -105,6 +106,37 @@ crate::layout::messages! {
         contact_count: u16,
         /// [`ForceFlags`](force_flags).
         flags: u32,
+    }
+
+    /// [`ToolForce`], and how far it may be off. Sent while somebody subscribes.
+    message ToolForceV2: Copy = "palpate.ToolForce.v2" on "tool/{tool}/force_v2" as Motion {
+        /// Tick that made it.
+        tick: u64,
+        /// `seq` of the pose that took effect (0: none yet).
+        pose_seq: u64,
+        /// `t_client_ns` of that pose.
+        t_client_ns: u64,
+        /// Server's clock when published, ns.
+        t_server_ns: u64,
+        /// N.
+        force: [f64; 3],
+        /// N·m.
+        torque: [f64; 3],
+        /// Where the surface holds the tool back, m.
+        proxy_position: [f64; 3],
+        /// x y z w.
+        proxy_orientation: [f64; 4],
+        /// Penetration of the device's tool into the surface, m; 0 without contact.
+        depth: f64,
+        /// Contact regions.
+        contact_count: u16,
+        /// [`ForceFlags`](force_flags).
+        flags: u32,
+        /// How far the force may be from the one that the exact step of the same length would give from the same
+        /// state, N: an estimate, 0 on rigid bodies.
+        error_n: f64,
+        /// Reserved for the force on a jaw, N or N·m; 0.
+        jaw_force: f64 = left out,
     }
 
     /// What all contacts do to a tool, before anything is limited for the device: what a sensor between

@@ -49,6 +49,7 @@ fn check<M: Message + PartialEq + Debug>(file: &str, value: &M) {
 fn every_message_keeps_its_bytes() {
     check("tool_pose", &common::tool_pose());
     check("tool_force", &common::tool_force());
+    check("tool_force_v2", &common::tool_force_v2());
     check("tool_contact", &common::tool_contact());
     check("device_info", &common::device_info());
     check("control_net", &common::control_net());

@@ -92,10 +92,10 @@ fn hex(bytes: &[u8]) -> String {
 
 /// Writes the flags of a force by their names; bits without one stay a number.
 fn name_flags(seen: &Seen, value: &mut Value) {
-    let Some(bits) = value["flags"]
-        .as_u64()
-        .filter(|_| seen.name() == Some("palpate.ToolForce.v1"))
-    else {
+    let Some(bits) = value["flags"].as_u64().filter(|_| {
+        let name = seen.name();
+        name.is_some_and(|name| name.starts_with("palpate.ToolForce."))
+    }) else {
         return;
     };
     let all = force_flags::NAMES.iter();

@@ -63,9 +63,14 @@ fn tell_tool(out: &mut String, tool: &ToolExplained) {
         force_n,
         contact_force_n,
         borne,
+        error_n,
         flags: bits,
     } = tool;
-    let _ = write!(out, "tool {id}: force {:.6} N", norm(force_n));
+    let _ = write!(
+        out,
+        "tool {id}: force {:.6} N, off by about {error_n:.1e} N",
+        norm(force_n)
+    );
     if force_n != contact_force_n {
         let _ = write!(
             out,

@@ -106,7 +106,7 @@ fn now(streams: &BTreeMap<String, KeyRate>, before: &mut BTreeMap<String, u64>) 
 fn number(seen: &Seen) -> Option<u64> {
     let field = match seen.name()? {
         "palpate.ToolPose.v1" | "palpate.SimEvent.v1" => "seq",
-        "palpate.ToolForce.v1" | "palpate.ToolContact.v1" => "tick",
+        "palpate.ToolForce.v1" | "palpate.ToolForce.v2" | "palpate.ToolContact.v1" => "tick",
         _ => return None,
     };
     seen.to_json()?[field].as_u64()

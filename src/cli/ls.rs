@@ -152,11 +152,14 @@ impl Instance {
         };
         let mut published = vec![keys.status(), keys.event(), keys.contact()];
         published.extend(self.bodies.iter().map(|id| keys.body_net(id)));
-        published.extend(
-            self.tools
-                .iter()
-                .flat_map(|tool| [keys.tool_force(&tool.id), keys.tool_contact(&tool.id)]),
-        );
+        published.extend(self.tools.iter().flat_map(|tool| {
+            let id = &tool.id;
+            [
+                keys.tool_force(id),
+                keys.tool_force_v2(id),
+                keys.tool_contact(id),
+            ]
+        }));
         self.publishes = published
             .into_iter()
             .filter_map(|key| palpate_proto::any::name_of_key(&key).map(|name| (key, name)))

@@ -65,6 +65,9 @@ fn pose_to_proto(pose: &DevicePose) -> pb::Pose {
     }
 }
 
+/// Numbers of a tool in a tick.
+const TOOL_VALUES: usize = 22;
+
 /// Reads fixed groups of floats one after another.
 struct Floats<'a> {
     rest: &'a [f64],
@@ -123,7 +126,7 @@ fn pose_from_proto(tick: u64, pose: &pb::Pose) -> Result<DevicePose, ConvertErro
 pub fn tick_to_proto(record: &TickRecord, tool_count: usize) -> pb::Tick {
     let output = &record.output;
     let tools = output.tools.first(tool_count).enumerate().map(|(t, out)| {
-        let mut values = Vec::with_capacity(21);
+        let mut values = Vec::with_capacity(TOOL_VALUES);
         extend(
             &mut values,
             &[
@@ -133,7 +136,7 @@ pub fn tick_to_proto(record: &TickRecord, tool_count: usize) -> pb::Tick {
                 out.proxy_orientation.coords.as_slice(),
                 out.contact_force_n.as_slice(),
                 out.contact_torque_nm.as_slice(),
-                &[out.energy_j, out.dissipated_j],
+                &[out.energy_j, out.dissipated_j, out.error_n],
             ],
         );
         let contact = out.contact.map(|contact| {
@@ -220,7 +223,13 @@ pub fn tick_from_proto(tick: &pb::Tick) -> Result<TickRecord, ConvertError> {
             .as_ref()
             .map(|pose| pose_from_proto(number, pose))
             .transpose()?;
-        let mut values = Floats::new(number, "tool", &tool.values, 21)?;
+        // Older files end before it.
+        let error_n = match tool.values.get(TOOL_VALUES - 1) {
+            Some(error_n) => *error_n,
+            None => f64::NAN,
+        };
+        let count = TOOL_VALUES - usize::from(tool.values.len() < TOOL_VALUES);
+        let mut values = Floats::new(number, "tool", &tool.values, count)?;
         let contact = tool.contact.as_ref().map(|contact| {
             let mut values = Floats::new(number, "contact", &contact.values, 12)?;
             let [u, v] = values.take();
@@ -250,6 +259,7 @@ pub fn tick_from_proto(tick: &pb::Tick) -> Result<TickRecord, ConvertError> {
             contact_torque_nm: values.vector(),
             energy_j: values.take::<1>()[0],
             dissipated_j: values.take::<1>()[0],
+            error_n,
             // They follow from the poses; a replay makes them again.
             device_moved: Vector3::zeros(),
             device_turned: Vector3::zeros(),

@@ -10,7 +10,7 @@ use crate::wire;
 use palpate_client::publisher;
 use palpate_proto::codec::encode;
 use palpate_proto::keys::Keys;
-use palpate_proto::messages::{ToolContact, ToolForce, force_flags};
+use palpate_proto::messages::{ToolContact, ToolForce, ToolForceV2, force_flags};
 use palpate_sim::scene::Scene;
 use palpate_sim::tick::flags;
 use palpate_sim::tick::record::{TickOutput, ToolOutput};
@@ -42,6 +42,9 @@ pub(super) struct Forces {
 struct ToolLine {
     inbox: Arc<PoseInbox>,
     force: Publisher<'static>,
+    force_v2: Publisher<'static>,
+    /// Somebody subscribes to forces with their errors.
+    error_wanted: bool,
     contact: Publisher<'static>,
     /// Somebody subscribes to what contacts do.
     contact_wanted: bool,
@@ -87,6 +90,8 @@ impl Forces {
             Ok(ToolLine {
                 inbox: inbox.clone(),
                 force: publisher::<ToolForce>(session, keys.tool_force(id))?,
+                force_v2: publisher::<ToolForceV2>(session, keys.tool_force_v2(id))?,
+                error_wanted: false,
                 contact: publisher::<ToolContact>(session, keys.tool_contact(id))?,
                 contact_wanted: false,
                 overtaken: 0,
@@ -176,6 +181,9 @@ impl Forces {
                 continue;
             }
             let force = wire::tool_force(self.newest.tick, server_ns(), out);
+            // Pages know the error when the force of its tick comes.
+            let with_error = wire::tool_force_v2(&force, out.error_n);
+            view.message(scene.tool_id(tool), &with_error);
             view.message(scene.tool_id(tool), &force);
             let contact = self.contact_of(tool, scene, devices);
             view.message(scene.tool_id(tool), &contact);
@@ -207,6 +215,12 @@ impl Forces {
         let put = line.force.put(encode(&force));
         // Who hears it knows whether it is its own.
         let _ = put.attachment(self.senders[tool].bytes()).wait();
+        if line.error_wanted {
+            // What fades by the clock is off by as much less.
+            let force = wire::tool_force_v2(&force, out.error_n * gain.min(1.0));
+            let put = line.force_v2.put(encode(&force));
+            let _ = put.attachment(self.senders[tool].bytes()).wait();
+        }
     }
 
     fn count_overtaken(&mut self, output: &TickOutput, ticks: u64) {
@@ -233,8 +247,12 @@ impl Forces {
     /// Whom to tell what contacts do: messages that nobody takes are not made.
     pub(super) fn look_for_listeners(&mut self) {
         for tool in &mut self.tools {
-            let status = tool.contact.matching_status().wait();
-            tool.contact_wanted = status.is_ok_and(|status| status.matching());
+            let wanted = |publisher: &Publisher<'_>| {
+                let status = publisher.matching_status().wait();
+                status.is_ok_and(|status| status.matching())
+            };
+            tool.contact_wanted = wanted(&tool.contact);
+            tool.error_wanted = wanted(&tool.force_v2);
         }
     }
 

@@ -398,7 +398,7 @@ impl LoopTally {
 fn degraded_reason(quality: u8) -> &'static str {
     match quality {
         0 => {
-            "the step of a body fell back to another matrix or was shortened; `palpate explain` says which"
+            "the step of a body fell back to another matrix or was shortened, or the force may be off by more than 5 % and 0.02 N; `palpate explain` says which"
         }
         _ => "quality is lowered: the machine does not keep up",
     }

@@ -60,6 +60,38 @@ pub fn tool_force(tick: u64, t_server_ns: u64, tool: &ToolOutput) -> wire::ToolF
     }
 }
 
+/// The same with how far it may be off.
+pub fn tool_force_v2(force: &wire::ToolForce, error_n: f64) -> wire::ToolForceV2 {
+    let wire::ToolForce {
+        tick,
+        pose_seq,
+        t_client_ns,
+        t_server_ns,
+        force,
+        torque,
+        proxy_position,
+        proxy_orientation,
+        depth,
+        contact_count,
+        flags,
+    } = *force;
+    wire::ToolForceV2 {
+        tick,
+        pose_seq,
+        t_client_ns,
+        t_server_ns,
+        force,
+        torque,
+        proxy_position,
+        proxy_orientation,
+        depth,
+        contact_count,
+        flags,
+        error_n,
+        jaw_force: 0.0,
+    }
+}
+
 /// What contacts do to a tool; `force_limit_n` is the greatest force for its device.
 pub fn tool_contact(tick: u64, force_limit_n: f64, tool: &ToolOutput) -> wire::ToolContact {
     wire::ToolContact {

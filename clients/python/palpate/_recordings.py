@@ -30,6 +30,7 @@ _TOOL_COLUMNS = (
     "proxy",
     "energy",
     "dissipated",
+    "error_n",
     "pose",
     "velocity",
     "contact_point",
@@ -64,8 +65,8 @@ class Ticks:
     """Columns of a tool; each is read from the file when it is first asked for, and kept.
 
     Rows are ticks. ``force``, ``torque``, ``contact_force``, ``contact_torque`` (ticks, 3) N and N·m; ``depth`` (ticks,)
-    m; ``proxy`` (ticks, 7); ``energy``, ``dissipated`` (ticks,) J; ``pose`` (ticks, 7) and ``velocity`` (ticks, 6) as
-    applied in the tick, NaN where none was new; ``contact_point``, ``contact_normal`` (ticks, 3) of the deepest
+    m; ``proxy`` (ticks, 7); ``energy``, ``dissipated`` (ticks,) J; ``error_n`` (ticks,) N, how far
+    the force may be off, NaN in older files; ``pose`` (ticks, 7) and ``velocity`` (ticks, 6) as applied in the tick, NaN where none was new; ``contact_point``, ``contact_normal`` (ticks, 3) of the deepest
     contact, NaN without; ``pose_seq``, ``flags``, ``contact_count`` (ticks,).
     """
 

@@ -67,7 +67,7 @@ class ForceFlags(enum.IntFlag):
     """No force: the tool was seated inside a body, and its contact force was not small once since then."""
     DEGRADED = 512
     """The force is less accurate than the scene asks for: the step of a body that the tool presses fell back to another
-    matrix or was shortened, or quality is lowered.
+    matrix or was shortened, quality is lowered, or the force may be off by more than 5 % and 0.02 N.
     """
 
 
@@ -100,6 +100,43 @@ class ToolForce(Message):
     """Contact regions."""
     flags: U32
     """:class:`ForceFlags`."""
+
+
+@dataclass(frozen=True)
+class ToolForceV2(Message):
+    """:class:`ToolForce`, and how far it may be off. Sent while somebody subscribes."""
+
+    NAME = "palpate.ToolForce.v2"
+    KEY = "palpate/{instance}/tool/{tool}/force_v2"
+
+    tick: U64
+    """Tick that made it."""
+    pose_seq: U64
+    """``seq`` of the pose that took effect (0: none yet)."""
+    t_client_ns: U64
+    """``t_client_ns`` of that pose."""
+    t_server_ns: U64
+    """Server's clock when published, ns."""
+    force: Vector
+    """N."""
+    torque: Vector
+    """N·m."""
+    proxy_position: Vector
+    """Where the surface holds the tool back, m."""
+    proxy_orientation: Quaternion
+    """x y z w."""
+    depth: float
+    """Penetration of the device's tool into the surface, m; 0 without contact."""
+    contact_count: U16
+    """Contact regions."""
+    flags: U32
+    """:class:`ForceFlags`."""
+    error_n: float
+    """How far the force may be from the one that the exact step of the same length would give from the same state, N:
+    an estimate, 0 on rigid bodies.
+    """
+    jaw_force: float = 0.0
+    """Reserved for the force on a jaw, N or N·m; 0."""
 
 
 @dataclass(frozen=True)
@@ -432,6 +469,7 @@ class SceneSnapshot(Message):
 ALL = (
     ToolPose,
     ToolForce,
+    ToolForceV2,
     ToolContact,
     DeviceInfo,
     ControlNet,
@@ -457,6 +495,7 @@ __all__ = [
     "SimEvent",
     "ToolContact",
     "ToolForce",
+    "ToolForceV2",
     "ToolLink",
     "ToolPose",
     "ToolSnapshot",

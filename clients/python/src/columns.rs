@@ -59,6 +59,11 @@ pub const COLUMNS: &[Column] = &[
         read: |_, _, out, to| to.push(out.dissipated_j),
     },
     Column {
+        name: "error_n",
+        width: 1,
+        read: |_, _, out, to| to.push(out.error_n),
+    },
+    Column {
         name: "pose",
         width: 7,
         read: |record, tool, _, to| match &record.input.poses[tool] {

@@ -33,6 +33,7 @@ enum Field {
     Proxy,
     Energy,
     Dissipated,
+    Error,
     Flags,
     PoseSeq,
     ContactCount,
@@ -82,6 +83,13 @@ impl Output {
     #[getter]
     fn force(slf: &Bound<'_, Self>) -> ByTool {
         by_tool(slf, Field::Force)
+    }
+
+    /// By tool: how far that force may be from the one that the exact step of the same length would give, N: an
+    /// estimate, 0 on rigid bodies.
+    #[getter]
+    fn error_n(slf: &Bound<'_, Self>) -> ByTool {
+        by_tool(slf, Field::Error)
     }
 
     /// By tool: torque for the device at the tool's reference point, (3,) N·m.
@@ -235,6 +243,7 @@ impl ByTool {
             Field::ContactTorque => vector(&tool.contact_torque_nm),
             Field::Depth => number(depth(tool)),
             Field::Proxy => PyArray1::from_slice(py, &proxy(tool)).into_any(),
+            Field::Error => number(tool.error_n),
             Field::Energy => number(tool.energy_j),
             Field::Dissipated => number(tool.dissipated_j),
             Field::Flags => count(u64::from(tool.flags)),

@@ -64,7 +64,7 @@ export const ForceFlags = {
   WITHHELD: 256,
   /**
    * The force is less accurate than the scene asks for: the step of a body that the tool presses fell back to another
-   * matrix or was shortened, or quality is lowered.
+   * matrix or was shortened, quality is lowered, or the force may be off by more than 5 % and 0.02 N.
    */
   DEGRADED: 512,
 } as const;
@@ -95,6 +95,40 @@ export const ToolForce = message("palpate.ToolForce.v1", "tool/{tool}/force", {
   flags: u32,
 });
 export type ToolForce = Of<typeof ToolForce>;
+
+/** {@link ToolForce}, and how far it may be off. Sent while somebody subscribes. */
+export const ToolForceV2 = message("palpate.ToolForce.v2", "tool/{tool}/force_v2", {
+  /** Tick that made it. */
+  tick: u64,
+  /** `seq` of the pose that took effect (0: none yet). */
+  pose_seq: u64,
+  /** `t_client_ns` of that pose. */
+  t_client_ns: u64,
+  /** Server's clock when published, ns. */
+  t_server_ns: u64,
+  /** N. */
+  force: vector,
+  /** N·m. */
+  torque: vector,
+  /** Where the surface holds the tool back, m. */
+  proxy_position: vector,
+  /** x y z w. */
+  proxy_orientation: quaternion,
+  /** Penetration of the device's tool into the surface, m; 0 without contact. */
+  depth: f64,
+  /** Contact regions. */
+  contact_count: u16,
+  /** {@link ForceFlags}. */
+  flags: u32,
+  /**
+   * How far the force may be from the one that the exact step of the same length would give from the same state, N: an
+   * estimate, 0 on rigid bodies.
+   */
+  error_n: f64,
+  /** Reserved for the force on a jaw, N or N·m; 0. */
+  jaw_force: f64,
+});
+export type ToolForceV2 = Of<typeof ToolForceV2>;
 
 /**
  * What all contacts do to a tool, before anything is limited for the device: what a sensor between tool and body would
@@ -394,6 +428,7 @@ export type SceneSnapshot = Of<typeof SceneSnapshot>;
 export const MESSAGES = [
   ToolPose,
   ToolForce,
+  ToolForceV2,
   ToolContact,
   DeviceInfo,
   ControlNet,

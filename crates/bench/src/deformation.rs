@@ -21,8 +21,9 @@ mod svg;
 mod world;
 
 pub use hard::{HardRow, hard_cases, hard_table};
+pub use motion::trust::{TrustRow, trust_table};
 pub use plasticine::{Sweep, plasticine_picture, plasticine_table};
-pub use svg::pareto;
+pub use svg::{pareto, trust_picture};
 
 use super::{Cases, Effort, Row};
 use scenes::{BoxCase, TeardropCase};
@@ -31,6 +32,19 @@ use scenes::{BoxCase, TeardropCase};
 const BOX_REFERENCE_N: f64 = 5.25;
 /// Forces of the teardrop's, N, at 1, 2, 3 and 4 mm.
 const TEARDROP_REFERENCE_N: [f64; 4] = [0.0450, 0.1045, 0.1720, 0.2461];
+
+/// How far forces are from those of the exact step, beside what their ticks say. Each row is handed out as soon as it
+/// is measured.
+///
+/// # Errors
+/// A scene that cannot be built.
+pub fn trust(
+    effort: Effort,
+    cases: Cases<'_>,
+    out: &mut dyn FnMut(TrustRow),
+) -> Result<(), String> {
+    motion::trust::rows(effort, &|case| cases.has(case), out)
+}
 
 /// Runs cases of the suite. Each row is handed out as soon as
 /// it is measured. Gives what the plasticine did.

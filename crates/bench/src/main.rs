@@ -5,10 +5,10 @@ use anyhow::Context;
 use clap::Parser;
 use palpate_bench::{
     BarOptions, Cases, DocumentOptions, Effort, FaultOptions, Figure, HardRow, LEFT_OUT,
-    RecorderOptions, RelayOptions, Row, SoakOptions, SubscriberOptions, bars, contact, deformation,
-    documents, faults, figures_table, haptics, hard_cases, hard_table, modeling, pareto, picture,
-    plasticine_picture, plasticine_table, record_until_killed, recording, relay, soak, subscribers,
-    surface, table, viewer,
+    RecorderOptions, RelayOptions, Row, SoakOptions, SubscriberOptions, TrustRow, bars, contact,
+    deformation, documents, faults, figures_table, haptics, hard_cases, hard_table, modeling,
+    pareto, picture, plasticine_picture, plasticine_table, record_until_killed, recording, relay,
+    soak, subscribers, surface, table, trust, trust_picture, trust_table, viewer,
 };
 use std::io::Write;
 use std::process::ExitCode;
@@ -43,6 +43,14 @@ enum Suite {
         /// Write a plot of plasticine displacement over force and stiffness to this SVG file.
         #[arg(long)]
         plasticine_svg: Option<std::path::PathBuf>,
+    },
+    /// How far forces are from those of the exact step, beside the `error_n` of their ticks.
+    Trust {
+        #[command(flatten)]
+        options: Options,
+        /// Write a plot of true errors against estimates to this SVG file.
+        #[arg(long)]
+        svg: Option<std::path::PathBuf>,
     },
     /// Stiffest stable walls of devices, energy with delay, accuracy of forces, latency and timing.
     Haptics {
@@ -210,6 +218,17 @@ fn run(args: &Cli) -> anyhow::Result<ExitCode> {
             say_what_is_left_out();
             write(svg, || pareto(&rows))?;
             write(plasticine_svg, || plasticine_picture(&sweeps))?;
+        }
+        Suite::Trust { options, svg } => {
+            let name = |row: &TrustRow| format!("{} {} it", row.case, row.iterations);
+            let measure =
+                |out: &mut dyn FnMut(TrustRow)| trust(options.effort(), options.cases(), out);
+            let (rows, measured) = options.run(name, measure)?;
+            measured.map_err(anyhow::Error::msg)?;
+            if !options.json {
+                print!("{}", trust_table(&rows));
+            }
+            write(svg, || trust_picture(&rows))?;
         }
         Suite::Haptics {
             options,

@@ -98,7 +98,8 @@ pub struct Tool {
     #[prost(uint32, tag = "6")]
     pub contact_count: u32,
     /// force N \[3\], torque N m \[3\], proxy position m \[3\], proxy quaternion \[4\],
-    /// contact force N \[3\], contact torque N m \[3\], energy J, dissipated J
+    /// contact force N \[3\], contact torque N m \[3\], energy J, dissipated J,
+    /// how far the force may be off N (older files end before it)
     #[prost(double, repeated, tag = "7")]
     pub values: ::prost::alloc::vec::Vec<f64>,
     #[prost(message, optional, tag = "8")]

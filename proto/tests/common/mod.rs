@@ -32,6 +32,37 @@ pub fn tool_force() -> ToolForce {
     }
 }
 
+pub fn tool_force_v2() -> ToolForceV2 {
+    let ToolForce {
+        tick,
+        pose_seq,
+        t_client_ns,
+        t_server_ns,
+        force,
+        torque,
+        proxy_position,
+        proxy_orientation,
+        depth,
+        contact_count,
+        flags,
+    } = tool_force();
+    ToolForceV2 {
+        tick,
+        pose_seq,
+        t_client_ns,
+        t_server_ns,
+        force,
+        torque,
+        proxy_position,
+        proxy_orientation,
+        depth,
+        contact_count,
+        flags,
+        error_n: 0.0625,
+        jaw_force: -0.125,
+    }
+}
+
 pub fn tool_contact() -> ToolContact {
     ToolContact {
         tick: 70_003,

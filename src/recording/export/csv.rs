@@ -76,7 +76,16 @@ fn heading(tools: &[String]) -> String {
         own.extend(["pose_seq", "t_client_ns", "pose_age_ticks"].map(str::to_owned));
         own.extend(parts(&OUTPUT));
         own.extend(CONTACT.map(str::to_owned));
-        own.extend(["contact_count", "energy_j", "dissipated_j", "flags"].map(str::to_owned));
+        own.extend(
+            [
+                "contact_count",
+                "energy_j",
+                "dissipated_j",
+                "flags",
+                "error_n",
+            ]
+            .map(str::to_owned),
+        );
         columns.extend(own.into_iter().map(|column| format!("{tool}.{column}")));
     }
     columns.extend(
@@ -178,4 +187,9 @@ fn write_tool(row: &mut CsvRow<'_>, tool: &ToolOutput, bodies: &[String]) {
     row.text(tool.contact_count);
     row.floats(&[tool.energy_j, tool.dissipated_j]);
     row.text(tool.flags);
+    match tool.error_n.is_nan() {
+        // An older file.
+        true => row.empty(1),
+        false => row.float(tool.error_n),
+    }
 }

@@ -170,8 +170,14 @@ fn contact_vectors(contact: &ContactReport) -> [(&'static str, &[f64]); 6] {
 }
 
 fn compare_tool(tick: u64, a: &ToolOutput, b: &ToolOutput) -> Option<Difference> {
+    let errors = [a, b].map(|tool| [("error_n", from_ref(&tool.error_n))]);
     first_number(tick, &tool_numbers(a), &tool_numbers(b))
         .or_else(|| first_vector(tick, &tool_vectors(a), &tool_vectors(b)))
+        .or_else(|| match a.error_n.is_nan() {
+            // An older file does not say.
+            true => None,
+            false => first_vector(tick, &errors[0], &errors[1]),
+        })
         .or_else(|| match (&a.contact, &b.contact) {
             (None, None) => None,
             (Some(a), Some(b)) if a.body == b.body => {
@@ -293,7 +299,7 @@ mod tests {
             output.tools[0].proxy_orientation =
                 Rotation::new_unchecked(nalgebra::Quaternion::new(0.5, 0.0, 0.0, 0.0));
         };
-        let edits: [(&str, OutputEdit); 24] = [
+        let edits: [(&str, OutputEdit); 25] = [
             ("tick", |o| o.tick = 4),
             ("tools[0].pose_seq", |o| o.tools[0].pose_seq = 1),
             ("tools[0].t_client_ns", |o| o.tools[0].t_client_ns = 1),
@@ -313,6 +319,7 @@ mod tests {
             }),
             ("tools[0].energy_j", |o| o.tools[0].energy_j = 1.0),
             ("tools[0].dissipated_j", |o| o.tools[0].dissipated_j = 1.0),
+            ("tools[0].error_n", |o| o.tools[0].error_n = 1.0),
             ("tools[0].contact.body", |o| o.tools[0].contact = None),
             ("tools[0].contact.u", |o| {
                 o.tools[0].contact.as_mut().unwrap().u = 0.1

@@ -6,7 +6,7 @@ const MOST = 4096;
 const OVERTAKEN_TICKS = 500;
 
 /** Columns: what they hold is the writer's and the chart's affair. */
-export const COLUMNS = 6;
+export const COLUMNS = 7;
 
 export class History {
   /** Ticks, growing. */

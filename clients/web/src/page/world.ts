@@ -78,6 +78,8 @@ export class Tool {
   force: Vec3 = ZERO;
   torque: Vec3 = ZERO;
   contactForce: Vec3 = ZERO;
+  /** How far the force may be off, N. */
+  error = 0;
   depth = 0;
   contacts = 0;
   flags = 0;

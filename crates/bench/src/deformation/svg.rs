@@ -1,6 +1,6 @@
 //! Picture of the suite: time against force error, and against error of the motion.
 
-use super::{Row, motion};
+use super::{Row, TrustRow, motion};
 use crate::Deviation;
 use palpate::chart::{Chart, Curve, Scale, Unit, page_with};
 
@@ -49,6 +49,58 @@ pub fn pareto(rows: &[Row]) -> String {
         ));
     }
     page_with(&charts, &front)
+}
+
+/// True errors of forces against their estimates, a colour a body: an SVG document. Between the two lines an estimate is
+/// at least half of the error and at most five times it.
+pub fn trust_picture(rows: &[TrustRow]) -> String {
+    let mut curves: Vec<Curve> = Vec::new();
+    for row in rows {
+        // The body: the end of the case's name.
+        let parts: Vec<&str> = row.case.rsplitn(3, '/').collect();
+        let name = match parts[..] {
+            [poisson, model, _] => format!("{model} {poisson}"),
+            _ => row.case.clone(),
+        };
+        let k = curves.iter().position(|curve| curve.name == name);
+        let k = k.unwrap_or_else(|| {
+            curves.push(Curve {
+                name,
+                points: Vec::new(),
+                lined: false,
+                hollow: true,
+                titles: Vec::new(),
+            });
+            curves.len() - 1
+        });
+        for (off, said) in &row.points {
+            let shown = [*said, *off].map(|share| share.clamp(LEAST_ERROR, 10.0));
+            curves[k].points.push((shown[0], shown[1]));
+            curves[k]
+                .titles
+                .push(format!("{}, {} it", row.case, row.iterations));
+        }
+    }
+    for (name, times) in [("2 × estimate", 2.0), ("estimate / 5", 0.2)] {
+        curves.push(Curve {
+            name: name.to_owned(),
+            points: vec![(LEAST_ERROR, times * LEAST_ERROR), (1.0, times)],
+            lined: true,
+            hollow: true,
+            titles: Vec::new(),
+        });
+    }
+    page_with(
+        &[Chart {
+            title: "How far a force is from that of the exact step: true error against estimate"
+                .to_owned(),
+            across: "estimate over force".to_owned(),
+            down: "true error over force".to_owned(),
+            scales: [Scale::Decades(Unit::Percent), Scale::Decades(Unit::Percent)],
+            curves,
+        }],
+        &[],
+    )
 }
 
 /// Where a row stands.

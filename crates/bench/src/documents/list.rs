@@ -175,6 +175,24 @@ pub(super) fn tables() -> Vec<Table> {
                 ],
             )
         },
+        Table {
+            of_simulation: true,
+            measure: Box::new(|| {
+                let mut rows = Vec::new();
+                let cases = crate::Cases::Usual;
+                crate::trust(Effort::Quick, cases, &mut |row| rows.push(row))
+                    .map_err(anyhow::Error::msg)?;
+                Ok(crate::trust_table(&rows))
+            }),
+            ..table(
+                "trust",
+                "docs/comparison.md",
+                &[
+                    "crates/bench/src/deformation/motion/trust.rs",
+                    "crates/bench/src/exact_step",
+                ],
+            )
+        },
         rows(
             "contact and geometry",
             "docs/comparison.md",

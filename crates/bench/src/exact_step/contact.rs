@@ -93,6 +93,11 @@ impl Skin {
         Ok(Self { places })
     }
 
+    /// Of the given places: coordinates of the body and their weights, which add up to one.
+    pub fn at(places: Vec<Vec<(u32, f64)>>) -> Self {
+        Self { places }
+    }
+
     /// Number of places.
     pub fn len(&self) -> usize {
         self.places.len()

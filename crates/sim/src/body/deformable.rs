@@ -19,6 +19,7 @@ use super::guard::{Guard, Limit, RigidStep};
 use super::implicit::ImplicitStep;
 use super::material::Plastic;
 use super::matter::{Blueprint, FIXED, Matter, lanes};
+use super::missed::About;
 use super::rigid_motion::Momentum;
 use super::rigid_velocity::RigidVelocity;
 use super::scratch::DeformableScratch;
@@ -38,6 +39,7 @@ pub struct Deformable {
     column: Vec<u32>,
     guard: Guard,
     outline: Outline,
+    about: About,
 }
 
 impl Deformable {
@@ -61,6 +63,10 @@ impl Deformable {
         }
         let guard = Guard::new(&matter);
         let outline = Outline::new(&matter.rest);
+        let about = match &stepper {
+            Stepper::Implicit(_) => About::new(&matter),
+            Stepper::Explicit(_) | Stepper::Xpbd(_) => About::default(),
+        };
         Ok(Self {
             matter,
             stepper,
@@ -68,6 +74,7 @@ impl Deformable {
             column,
             guard,
             outline,
+            about,
         })
     }
 
@@ -316,6 +323,38 @@ impl Deformable {
         let is_implicit = matches!(self.stepper, Stepper::Implicit(_));
         (scratch.arrived && is_implicit)
             .then_some(|c: usize| scratch.reached[c] - scratch.predicted[c])
+    }
+
+    /// Looks at what a step that arrived leaves of its equation where contact forces act; false where there is no such
+    /// equation, or no step.
+    pub(crate) fn miss(&self, state: &DeformableState, scratch: &mut DeformableScratch) -> bool {
+        let Stepper::Implicit(implicit) = &self.stepper else {
+            return false;
+        };
+        if scratch.arrived {
+            implicit.miss(&self.matter, &self.about, &self.column, state, scratch);
+        }
+        scratch.arrived
+    }
+
+    /// Adds a load (N) on a coordinate to what [`Deformable::miss`] found, if it looked there.
+    pub(crate) fn add_missed(
+        &self,
+        scratch: &mut DeformableScratch,
+        coordinate: usize,
+        load: &Vector3,
+    ) {
+        scratch.missed.add(self.column[coordinate], load);
+    }
+
+    /// What [`Deformable::miss`] found, by place on the net, N.
+    pub(crate) fn missed<'a>(&self, scratch: &'a DeformableScratch) -> &'a [(u32, Vector3)] {
+        &scratch.missed.loads
+    }
+
+    /// Where a step that arrived takes a coordinate, m.
+    pub(crate) fn reached(&self, scratch: &DeformableScratch, coordinate: usize) -> Point3 {
+        scratch.reached[coordinate]
     }
 
     /// The step has taken its contact forces, and is not ended yet.
@@ -587,6 +626,7 @@ impl Deformable {
         let mut scratch = self.matter.scratch();
         if let Stepper::Implicit(implicit) = &self.stepper {
             scratch.implicit = implicit.scratch(&self.matter);
+            scratch.missed = self.about.scratch(&self.matter);
             if implicit.iterations() > 1 {
                 scratch.looked = scratch.implicit.pressures.clone();
                 let forces = 2 * scratch.carried.capacity();

@@ -29,6 +29,7 @@ use super::frames::Frames;
 use super::guard::Limit;
 use super::look_ahead::LookAhead;
 use super::matter::{FIXED, Matter, lanes};
+use super::missed::About;
 use super::neighbours::{middle, shortest_edges};
 use super::node_map::NodeMap;
 use super::rigid_motion::Inertia;
@@ -525,6 +526,20 @@ impl ImplicitStep {
                 answer[k] = Vector3::new(x, y, z);
             }
         }
+    }
+
+    /// [`About::look`], where damping looks ahead as it does in the step.
+    pub(super) fn miss(
+        &self,
+        matter: &Matter,
+        about: &About,
+        column: &[u32],
+        state: &DeformableState,
+        scratch: &mut DeformableScratch,
+    ) {
+        let springs = self.springs.as_ref();
+        let look_ahead = springs.and_then(|springs| springs.look_ahead.as_ref());
+        about.look(matter, look_ahead, state, scratch, |c| column[c as usize]);
     }
 
     /// Residual of backward Euler at the guess in `scratch.reached`, with the contact forces in

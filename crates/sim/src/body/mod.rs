@@ -36,6 +36,7 @@ mod look_ahead;
 mod material;
 mod matter;
 mod membrane;
+mod missed;
 mod neighbours;
 pub mod net;
 mod node_map;

@@ -9,6 +9,7 @@ use super::following::Follows;
 use super::frame::Frame;
 use super::guard::RigidStep;
 use super::matter::Matter;
+use super::missed::Missed;
 use super::node_map::NodeMap;
 use super::rigid_motion::Inertia;
 use super::rigid_velocity::RigidVelocity;
@@ -67,6 +68,8 @@ pub struct DeformableScratch {
     pub(super) pull: Rows,
     /// What free points feel.
     pub(super) field: Field,
+    /// What the step leaves of its equation where contact forces act.
+    pub(super) missed: Missed,
     /// Plastic strains within a step; empty unless the body flows.
     pub(super) flow: Vec<Lane>,
 }
@@ -156,6 +159,7 @@ impl Matter {
             implicit: ImplicitScratch::default(),
             pull: Rows::zeros(count),
             field: Field::default(),
+            missed: Missed::default(),
             flow: vec![[0.0; 4]; self.strain_lanes()],
         }
     }

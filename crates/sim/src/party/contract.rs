@@ -5,7 +5,7 @@ use super::pipeline::Pipeline;
 use super::tool::ToolState;
 use crate::body::{DeformableState, FallBack, Field, Ledger};
 use crate::solve::indentation::Resolution;
-use crate::solve::rows::{Row, RowSet};
+use crate::solve::rows::{Range, Row, RowSet};
 use crate::solve::solver::Solver;
 use crate::tick::record::TickFault;
 use palpate_geometry::math::{Point3, Vector3};
@@ -114,6 +114,24 @@ pub(crate) trait Party {
 
     /// Asserts that it went where its response said.
     fn check_arrival(&self, _scratch: &Self::Scratch, _rows: &RowSet, _solver: &mut Solver) {}
+
+    /// Where that takes a side of a row on it (its weights), m; `None` of what knows no such place.
+    fn side_at(&self, _scratch: &Self::Scratch, _rows: &RowSet, _side: Range) -> Option<Point3> {
+        None
+    }
+
+    /// Adds to `off`, by row, how far what that motion leaves of its own equation would move the row, m. `turned`: by
+    /// row, what its force on the holder lacks, N.
+    fn miss(
+        &self,
+        _state: &Self::State,
+        _scratch: &mut Self::Scratch,
+        _rows: &RowSet,
+        _solver: &mut Solver,
+        _turned: &[Vector3],
+        _off: &mut [Vector3],
+    ) {
+    }
 
     /// Takes no more than a share of that motion, and of the forces.
     fn shorten(&self, _state: &Self::State, _scratch: &mut Self::Scratch, _share: f64) {}

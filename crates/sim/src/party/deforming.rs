@@ -11,7 +11,7 @@ use crate::solve::delassus::{Compliance, Delassus, Frame};
 use crate::solve::indentation::Resolution;
 use crate::solve::matrix::directions;
 use crate::solve::rigid_part::RigidPart;
-use crate::solve::rows::{DeformingView, Row, RowSet};
+use crate::solve::rows::{DeformingView, Range, Row, RowSet};
 use crate::solve::solver::Solver;
 use crate::tick::quality;
 use crate::tick::record::TickFault;
@@ -296,6 +296,61 @@ impl Party for Of<'_, &DeformingBody> {
                 found
             );
         });
+    }
+
+    fn side_at(&self, scratch: &BodyScratch, rows: &RowSet, side: Range) -> Option<Point3> {
+        let (deformable, deforming) = (&self.kind.deformable, scratch.deforming.as_ref()?);
+        if !deformable.has_arrived(&deforming.deformable) {
+            return None;
+        }
+        let (controls, weights) = rows.weights_in(side);
+        let mut at = Vector3::zeros();
+        for (&control, &weight) in controls.iter().zip(weights) {
+            let coordinate = deformable.coordinate_of_control(control as usize);
+            at += deformable.reached(&deforming.deformable, coordinate).coords * weight;
+        }
+        Some(Point3::from(at))
+    }
+
+    fn miss(
+        &self,
+        state: &BodyState,
+        scratch: &mut BodyScratch,
+        rows: &RowSet,
+        solver: &mut Solver,
+        turned: &[Vector3],
+        off: &mut [Vector3],
+    ) {
+        let deformable = &self.kind.deformable;
+        let (Some(nodes), Some(deforming)) = (&state.deformable, &mut scratch.deforming) else {
+            return;
+        };
+        if self.kind.every > 1 || !deformable.miss(nodes, &mut deforming.deformable) {
+            return;
+        }
+        for (row, turned) in rows.rows.iter().zip(turned) {
+            if *turned == Vector3::zeros() {
+                continue;
+            }
+            for (sign, side) in row.sides_on(self.index) {
+                let (controls, weights) = rows.weights_in(side);
+                for (&control, &weight) in controls.iter().zip(weights) {
+                    let coordinate = deformable.coordinate_of_control(control as usize);
+                    if deformable.surface_place(coordinate).is_some() {
+                        let load = turned * (sign * weight);
+                        deformable.add_missed(&mut deforming.deformable, coordinate, &load);
+                    }
+                }
+            }
+        }
+        let delassus = &mut solver.delassus;
+        self.gather(rows, delassus, |_| empty());
+        let Some(compliance) = self.compliance(scratch) else {
+            return;
+        };
+        let loads = deformable.missed(compliance.scratch).iter();
+        let loads = loads.map(|&(place, load)| (place as usize, load));
+        delassus.each_moved(&compliance, loads, |i, moved| off[i] += moved);
     }
 
     fn shorten(&self, state: &BodyState, scratch: &mut BodyScratch, share: f64) {

@@ -11,7 +11,7 @@ use crate::solve::rows::{Row, RowSet};
 use crate::solve::solver::Solver;
 use crate::tick::record::TickFault;
 use palpate_geometry::contact::dispatch::Method;
-use palpate_geometry::math::{Matrix3, Point3, Vector3, rotation_by};
+use palpate_geometry::math::{Matrix3, Point3, Pose, Vector3, rotation_by};
 
 /// Enough for a corner of three planes: rows on rigid bodies are few.
 const SWEEPS: usize = 50;
@@ -134,6 +134,18 @@ impl OnCoupling<'_> {
     fn is_guarded(&self) -> bool {
         let mut own = (self.scene.pairs.iter()).filter(|pair| pair.tool() == Some(self.index));
         self.tool.shape.ball_radius_m().is_some() && own.all(|pair| pair.method == Method::Exact)
+    }
+
+    /// Where the forces that it [weighed](OnCoupling::weigh) take it.
+    pub(crate) fn pose_held(&self, state: &ToolState, scratch: &ToolScratch) -> Pose {
+        let coupling = self.coupling(state);
+        let held = scratch.free + scratch.force_n * coupling.compliance_m_n();
+        let turn = scratch.torque_nm * coupling.turning_compliance_rad_nm();
+        let rotation = match coupling.turns() {
+            true => rotation_by(&turn) * scratch.free_turn,
+            false => scratch.free_turn,
+        };
+        Pose::from_parts(held.coords.into(), rotation)
     }
 
     /// Sums its rows' forces, and finds what share of them its device bears.

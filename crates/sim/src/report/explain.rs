@@ -41,6 +41,8 @@ pub struct ToolExplained {
     pub contact_force_n: [f64; 3],
     /// Share of it that the device's limits let through.
     pub borne: f64,
+    /// How far the force may be from that of the exact step, N.
+    pub error_n: f64,
     /// Bits of [`flags`](crate::tick::flags).
     pub flags: u32,
 }
@@ -110,6 +112,7 @@ pub(crate) fn of_contact(balance: &mut Balance<'_>, output: &TickOutput) -> Expl
             force_n: out.force_n.into(),
             contact_force_n: out.contact_force_n.into(),
             borne: balance.tool_parts[t].borne,
+            error_n: out.error_n,
             flags: out.flags,
         }
     });

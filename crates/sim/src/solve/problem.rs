@@ -122,6 +122,25 @@ impl ContactProblem {
         }
     }
 
+    /// The problem of another, its rows off by so much (m), from its forces.
+    pub fn set_off(&mut self, other: &Self, off_m: &[Vector3]) {
+        debug_assert_eq!(other.rows.len(), off_m.len(), "a row without an offset");
+        self.rows.clone_from(&other.rows);
+        self.stiffness.clone_from(&other.stiffness);
+        self.free.clone_from(&other.free);
+        self.forces.clone_from(&other.forces);
+        self.displaced.clone_from(&other.displaced);
+        for (row, off) in self.rows.iter().zip(off_m) {
+            match &mut self.free[row.span.clone()] {
+                [gap_m] => *gap_m += off.dot(&row.normal),
+                free => free
+                    .iter_mut()
+                    .zip(off)
+                    .for_each(|(free, off)| *free += off),
+            }
+        }
+    }
+
     /// Runs `sweeps` sweeps, or until one changes nothing.
     pub fn solve(&mut self, matrix: &ContactMatrix, sweeps: usize) {
         debug_assert!(sweeps > 0, "a solve of no sweeps");

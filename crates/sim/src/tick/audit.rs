@@ -32,6 +32,23 @@ impl Scratch {
         sum
     }
 
+    /// By contact row of the last tick on a deforming body, its place on that body: coordinates of the body and their
+    /// weights. A row between two places of one body has two.
+    pub fn contact_places(&self, scene: &Scene, body: usize) -> Vec<Vec<(u32, f64)>> {
+        let Some(deformable) = scene.deformable(body) else {
+            return Vec::new();
+        };
+        let sides = self.rows.rows.iter().flat_map(|row| row.sides_on(body));
+        let places = sides.map(|(_, side)| {
+            let (controls, weights) = self.rows.weights_in(side);
+            let coordinate =
+                |&control: &u32| deformable.coordinate_of_control(control as usize) as u32;
+            let coordinates = controls.iter().map(coordinate);
+            coordinates.zip(weights.iter().copied()).collect()
+        });
+        places.collect()
+    }
+
     /// Contact rows of the last tick, without those of bodies that were left alone.
     pub fn row_count(&self) -> usize {
         self.rows.rows.len()

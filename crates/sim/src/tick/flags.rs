@@ -21,5 +21,6 @@ pub const DAMPED: u32 = 1 << 7;
 /// No force: the tool was seated inside a body, and what its contacts would give was not small once since then.
 pub const WITHHELD: u32 = 1 << 8;
 /// The force is less accurate than the scene asks for: the step of a body that the tool presses, or that such a
-/// body presses, fell back to another matrix or was shortened, or quality is lowered.
+/// body presses, fell back to another matrix or was shortened, quality is lowered, or the force may be off by more than
+/// 5 % and 0.02 N.
 pub const DEGRADED: u32 = 1 << 9;

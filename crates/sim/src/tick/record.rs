@@ -164,6 +164,9 @@ pub struct ToolOutput {
     pub force_n: Vector3,
     /// Torque for the device at the tool's reference point, N·m.
     pub torque_nm: Vector3,
+    /// How far that force may be from the one that the exact step of the same length would give from the same state,
+    /// N: an estimate, 0 on rigid bodies.
+    pub error_n: f64,
     /// Force of all contacts on the tool, N: what a sensor between tool and body would read.
     pub contact_force_n: Vector3,
     /// Torque of all contacts about the tool's reference point, N·m.
@@ -197,6 +200,7 @@ impl Default for ToolOutput {
             pose_age_ticks: 0,
             force_n: Vector3::zeros(),
             torque_nm: Vector3::zeros(),
+            error_n: 0.0,
             contact_force_n: Vector3::zeros(),
             contact_torque_nm: Vector3::zeros(),
             proxy_position: Point3::origin(),

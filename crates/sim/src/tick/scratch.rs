@@ -3,6 +3,7 @@
 use super::state::SceneState;
 use crate::contact::near::Near;
 use crate::party::{BodyScratch, Party as _, Pipeline, ToolScratch};
+use crate::report::error::Errors;
 use crate::rest::Rest;
 use crate::scene::{Pair, Scene};
 use crate::solve::delassus::Delassus;
@@ -33,6 +34,8 @@ pub struct Scratch {
     pub(super) solver: Solver,
     /// By body: the share of its motion that was taken.
     pub(super) shares: Vec<f64>,
+    /// How far the forces may be off.
+    pub(super) errors: Errors,
     /// By body: its step does less than the scene asks for.
     pub(super) degraded: Vec<bool>,
     /// Where bodies that take several ticks step; without it they step in the tick in which they
@@ -117,6 +120,7 @@ impl Scene {
                 indentations: vec![Indentation::default(); self.pairs.len()],
             },
             shares: vec![1.0; self.bodies.len()],
+            errors: Errors::new(most_rows, directions, self.tools.len()),
             degraded: vec![false; self.bodies.len()],
             pipeline: None,
             start: self.initial_state(),

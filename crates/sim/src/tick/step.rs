@@ -7,7 +7,7 @@ use super::{
 use crate::contact::{PairState, Search, find, grip, near};
 use crate::party::{Around, Party as _};
 use crate::report::explain::{self, Explanation};
-use crate::report::{degraded, outputs};
+use crate::report::{degraded, error, outputs};
 use crate::rest;
 use crate::scene::Scene;
 use crate::tick::balance::Balance;
@@ -119,6 +119,7 @@ pub fn render(
     let mut shares = std::mem::take(&mut scratch.shares);
     arrive::arrive(&mut balance(scene, state, scratch), &mut shares);
     scratch.shares = shares;
+    estimate(scene, state, scratch);
     report(scene, state, scratch, output);
     if cfg!(debug_assertions) {
         invariants::of_output(scene, &state.tools, &scratch.tools, &state.warm, output);
@@ -193,6 +194,22 @@ fn contacts(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, moving
     }
 }
 
+/// How far those forces may be off.
+fn estimate(scene: &Scene, state: &SceneState, scratch: &mut Scratch) {
+    let mut balance = Balance {
+        scene,
+        tools: &state.tools,
+        states: &state.bodies,
+        warm: &state.warm,
+        quality: state.quality,
+        tool_parts: &mut scratch.tools,
+        bodies: &mut scratch.bodies,
+        rows: &mut scratch.rows,
+        solver: &mut scratch.solver,
+    };
+    error::estimate(&mut balance, &scratch.pairs, &mut scratch.errors);
+}
+
 /// Forces for the hands, and on the bodies.
 fn report(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, output: &mut TickOutput) {
     let Scratch {
@@ -201,11 +218,13 @@ fn report(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, output: 
         rest,
         rows,
         solver,
+        errors,
         degraded,
         ..
     } = scratch;
     let SceneState { tools, warm, .. } = state;
     outputs::write(scene, tools, tool_parts, rows, solver, rest, output);
+    error::report(errors, tools, tool_parts, output);
     degraded::mark(scene, bodies, &rows.rows, solver, degraded, output);
     outputs::remember(scene, warm, bodies, rows, solver, rest);
 }

@@ -12,6 +12,7 @@ mod contact;
 mod deformation;
 mod deforming_input;
 mod deforming_laws;
+mod errors;
 mod examples;
 mod explained;
 mod extreme_input;

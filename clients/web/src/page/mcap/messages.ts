@@ -66,7 +66,7 @@ export interface ToolRow {
   hand: { position: Vec3; orientation: Quat } | null;
   flags: number;
   contacts: number;
-  /** force [3], torque [3], proxy [3], quaternion [4], contact force [3], contact torque [3], energy, dissipated. */
+  /** force [3], torque [3], proxy [3], quaternion [4], contact force [3], contact torque [3], energy, dissipated, error (not in older files). */
   values: Float64Array;
   /** Index of the body; u, v, point [3], normal [3], depth, force [3]. */
   contact: { body: number; values: Float64Array } | null;

@@ -16,6 +16,8 @@ export interface ToolRows {
   readonly fy: Float64Array;
   readonly fz: Float64Array;
   readonly size: Float64Array;
+  /** How far that force may be off, N. */
+  readonly error: Float64Array;
   readonly depth: Float64Array;
   readonly energy: Float64Array;
   readonly dissipated: Float64Array;
@@ -43,7 +45,7 @@ export class Overview {
     this.filled = new Uint8Array(this.rows);
     const row = () => new Float64Array(this.rows);
     this.tools = recording.toolIds.map(() => ({
-      fx: row(), fy: row(), fz: row(), size: row(), depth: row(), energy: row(), dissipated: row(), contact: new Uint8Array(this.rows),
+      fx: row(), fy: row(), fz: row(), size: row(), error: row(), depth: row(), energy: row(), dissipated: row(), contact: new Uint8Array(this.rows),
     }));
     this.step = row();
     this.late = row();
@@ -95,6 +97,7 @@ export class Overview {
       const size = Math.hypot(values[0], values[1], values[2]);
       if (size >= into.size[row]) {
         [into.fx[row], into.fy[row], into.fz[row], into.size[row]] = [values[0], values[1], values[2], size];
+        into.error[row] = values[21] ?? 0;
       }
       into.depth[row] = Math.max(into.depth[row], contact?.values[8] ?? 0);
       into.energy[row] = values[19];

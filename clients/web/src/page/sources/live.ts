@@ -6,7 +6,7 @@
  */
 
 import {
-  ContactSet, ControlNet, DecodeError, DeviceInfo, LoopStatus, SceneSnapshot, SimEvent, ToolContact, ToolForce, ToolPose,
+  ContactSet, ControlNet, DecodeError, DeviceInfo, LoopStatus, SceneSnapshot, SimEvent, ToolContact, ToolForce, ToolForceV2, ToolPose,
   decode, encode,
 } from "../../index";
 import { fetchSession, type Session } from "../session";
@@ -186,6 +186,12 @@ export class Live {
         break;
       }
       case "body/nodes": return this.takeNodes(id, payload);
+      case "tool/force_v2": {
+        // It comes before the force of its tick.
+        const tool = this.world.tool(id);
+        if (tool !== undefined) tool.error = decode(ToolForceV2, payload).error_n;
+        return;
+      }
       case "tool/force": return this.takeForce(id, decode(ToolForce, payload));
       case "tool/contact": {
         const tool = world.tool(id);
@@ -284,7 +290,7 @@ export class Live {
     tool.flags = force.flags;
     if (tool.hand !== null) tool.poseAgeMs = performance.now() - Number(force.t_client_ns) * 1e-6;
     this.world.tick = tick;
-    tool.history.push(tick, ...force.force, force.depth, tool.energy, tool.dissipated);
+    tool.history.push(tick, ...force.force, force.depth, tool.energy, tool.dissipated, tool.error);
     this.world.touch();
   }
 
@@ -297,7 +303,7 @@ export class Live {
     world.loop.push(tick, ns(status.step.p50_ns), ns(status.step.p99_ns), ns(status.step.max_ns), ns(status.period.max_ns), status.rate_hz);
     // A force that does not change is not sent again: its line goes on all the same.
     for (const tool of world.tools) {
-      if (tick > tool.tick) tool.history.push(tick, ...tool.force, tool.depth, tool.energy, tool.dissipated);
+      if (tick > tool.tick) tool.history.push(tick, ...tool.force, tool.depth, tool.energy, tool.dissipated, tool.error);
     }
   }
 

@@ -133,6 +133,7 @@ export class Playback {
       tool.contactForce = vector(13);
       tool.energy = values[19];
       tool.dissipated = values[20];
+      tool.error = values[21] ?? 0;
       tool.flags = flags;
       tool.contacts = contacts;
       tool.depth = contact?.values[8] ?? 0;

@@ -4,7 +4,7 @@ import uPlot from "uplot";
 import { digits } from "../units";
 import { byId, el, setText } from "./dom";
 import type { Theme } from "./theme";
-import type { Line, Panel, Tracks } from "./tracks";
+import type { Panel, Tracks } from "./tracks";
 
 type Name = keyof Tracks;
 
@@ -40,11 +40,11 @@ class Chart {
     this.data = panel;
     const width = this.plot.clientWidth;
     if (width < 40) return;
-    const shape = `${panel.lines.map(({ label }) => label).join()} ${theme.light} ${width} ${this.height()}`;
+    const shape = `${panel.lines.map(({ label }) => label).join()} ${panel.band !== undefined} ${theme.light} ${width} ${this.height()}`;
     if (shape !== this.shape) {
       this.shape = shape;
       this.chart?.destroy();
-      this.chart = new uPlot(this.options(panel.lines, width, theme), this.table(), this.plot);
+      this.chart = new uPlot(this.options(panel, width, theme), this.table(), this.plot);
       this.values.replaceChildren(...panel.lines.map(({ label, colour }) => {
         const value = el("span", { "data-line": label });
         value.style.setProperty("--c", theme.colour(colour));
@@ -62,14 +62,16 @@ class Chart {
   }
 
   private table(): uPlot.AlignedData {
-    return [this.data.time, ...this.data.lines.map(({ values }) => values)] as uPlot.AlignedData;
+    const { time, lines, band } = this.data;
+    const edges = band === undefined ? [] : [band.high, band.low];
+    return [time, ...lines.map(({ values }) => values), ...edges] as uPlot.AlignedData;
   }
 
   /** Zero is always seen, and noise does not fill the height. */
   private heights([from, to]: readonly [number, number]): { min: number; max: number } {
     let [min, max] = [0, this.about.least];
-    const { time, lines } = this.data;
-    for (const { values } of lines) {
+    const { time, lines, band } = this.data;
+    for (const values of [...lines.map((line) => line.values), ...(band === undefined ? [] : [band.high])]) {
       for (let k = 0; k < time.length; k++) {
         const value = values[k];
         if (time[k] < from || time[k] > to || value === null || !Number.isFinite(value)) continue;
@@ -81,7 +83,7 @@ class Chart {
     return { min: min < 0 ? min - room : 0, max: max + room };
   }
 
-  private options(lines: readonly Line[], width: number, theme: Theme): uPlot.Options {
+  private options({ lines, band }: Panel, width: number, theme: Theme): uPlot.Options {
     const axis = { stroke: theme.colour("muted"), grid: { stroke: theme.colour("line"), width: 1 }, ticks: { show: false }, font: "11px system-ui, sans-serif" };
     return {
       width, height: this.height(), legend: { show: false }, padding: [4, 6, 0, 0],
@@ -91,9 +93,10 @@ class Chart {
         { ...axis, size: this.last ? 18 : 3, gap: 2, space: 60, values: (_, ticks) => ticks.map((tick) => (this.last ? `${Number(tick.toFixed(6))} s` : "")) },
         { ...axis, size: 42, gap: 3, space: 22, values: (_, ticks) => ticks.map((tick) => String(Number(tick.toPrecision(6)))) },
       ],
+      bands: band === undefined ? [] : [{ series: [lines.length + 1, lines.length + 2], fill: `${theme.colour(band.colour)}55` }],
       series: [{}, ...lines.map(({ label, colour, thin }): uPlot.Series => ({
         label, stroke: theme.colour(colour), width: thin === true ? 1 : 1.8, points: { show: false }, spanGaps: true,
-      }))],
+      })), ...(band === undefined ? [] : [{ width: 0, points: { show: false } }, { width: 0, points: { show: false } }])],
       cursor: { sync: { key: SYNC, setSeries: false }, drag: { x: this.owner.onZoom !== null, y: false, setScale: false }, points: { size: 6 } },
       hooks: {
         setCursor: [(chart) => this.tell(chart.cursor.idx ?? null)],

@@ -14,6 +14,8 @@ export interface Line {
 export interface Panel {
   readonly time: number[];
   readonly lines: readonly Line[];
+  /** What lies about a line: from low to high. */
+  readonly band?: { readonly colour: string; readonly low: number[]; readonly high: number[] };
 }
 
 export interface Tracks {
@@ -35,6 +37,8 @@ interface Row {
   readonly depth: number[];
   readonly energy: number[];
   readonly dissipated: number[];
+  /** How far the force may be off, N. */
+  readonly error: number[];
 }
 
 /** Several tools on the times of the first: each as of the newest of its rows. */
@@ -61,11 +65,14 @@ function tracksOf(rows: readonly Row[], loop: Panel): Tracks {
     });
     return { force: each(size), depth: each((row) => row.depth.map((d) => 1e3 * d)), energy: each((row) => row.energy.map((e) => 1e3 * e)), loop };
   }
+  const sizes = size(first);
+  const aside = (sign: number) => sizes.map((force, k) => Math.max(0, force + sign * first.error[k]));
   return {
     force: {
       time,
+      band: { colour: "size", low: aside(-1), high: aside(1) },
       lines: [
-        { label: "size", colour: "size", values: size(first) },
+        { label: "size", colour: "size", values: sizes },
         { label: "x", colour: "x", values: first.fx, thin: true },
         { label: "y", colour: "y", values: first.fy, thin: true },
         { label: "z", colour: "z", values: first.fz, thin: true },
@@ -97,8 +104,8 @@ export function liveTracks(world: World, chosen: ReadonlySet<string>, span: numb
   };
   const rows = world.tools.filter((tool) => chosen.has(tool.id)).map(({ id, history }): Row => {
     const k = start(history.ticks);
-    const [fx, fy, fz, depth, energy, dissipated] = history.columns.map((column) => column.slice(k));
-    return { id, time: history.ticks.slice(k).map((tick) => tick * world.dt), fx, fy, fz, depth, energy, dissipated };
+    const [fx, fy, fz, depth, energy, dissipated, error] = history.columns.map((column) => column.slice(k));
+    return { id, time: history.ticks.slice(k).map((tick) => tick * world.dt), fx, fy, fz, depth, energy, dissipated, error };
   });
   const k = start(world.loop.ticks);
   const [p50, p99, , period] = world.loop.columns.map((column) => column.slice(k).map((s) => 1e3 * s));
@@ -126,7 +133,7 @@ export function recordedTracks(overview: Overview, chosen: ReadonlySet<string>):
     if (!chosen.has(id) || tool === undefined) return [];
     return [{
       id, time, fx: pick(tool.fx), fy: pick(tool.fy), fz: pick(tool.fz),
-      depth: pick(tool.depth), energy: pick(tool.energy), dissipated: pick(tool.dissipated),
+      depth: pick(tool.depth), energy: pick(tool.energy), dissipated: pick(tool.dissipated), error: pick(tool.error),
     }];
   });
   return tracksOf(tools, {

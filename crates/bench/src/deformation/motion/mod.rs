@@ -18,6 +18,7 @@ mod ring;
 mod ringdown;
 mod squeeze;
 mod touching;
+pub(in crate::deformation) mod trust;
 
 use super::world::World;
 use super::{Effort, Row};

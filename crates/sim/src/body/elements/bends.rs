@@ -148,6 +148,26 @@ impl ForceLaw for Vec<Bend> {
             .for_each(|bend| bend.add_force(places, residual));
     }
 
+    fn parts(&self) -> Vec<Vec<u32>> {
+        let nodes = |bend: &Bend| bend.terms().map(|(node, _)| node).collect();
+        self.iter().map(nodes).collect()
+    }
+
+    fn part_count(&self) -> usize {
+        self.len()
+    }
+
+    fn add_forces_of_parts(
+        &self,
+        (parts, first): (&[u32], u32),
+        places: &[Lane],
+        residual: &mut [Lane],
+    ) {
+        for part in parts {
+            self[(part - first) as usize].add_force(places, residual);
+        }
+    }
+
     fn energy_j(&self, places: &[Lane]) -> f64 {
         self.iter().map(|bend| bend.energy_j(places)).sum()
     }

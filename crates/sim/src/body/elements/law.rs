@@ -43,6 +43,15 @@ pub(crate) trait ForceLaw: Debug + Send + Sync {
     /// once or in parts.
     fn tangent_at(&self, at: &Place<'_>, out: &mut dyn FnMut(u32, u32, Matrix3));
 
+    /// Its parts, each with its nodes: their forces can be had without those of others.
+    fn parts(&self) -> Vec<Vec<u32>>;
+
+    /// How many there are.
+    fn part_count(&self) -> usize;
+
+    /// Adds −∂E/∂x of some of its parts, whose numbers count from `first`, N.
+    fn add_forces_of_parts(&self, parts: (&[u32], u32), places: &[Lane], residual: &mut [Lane]);
+
     /// It resists bending alone, as sheets do: out of plane they are as stiff as they are drawn.
     fn is_of_sheets(&self) -> bool {
         false

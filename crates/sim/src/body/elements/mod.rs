@@ -168,6 +168,43 @@ impl MaterialLaw {
         }
     }
 
+    /// Parts of the law, each with its nodes: blocks of cells, springs, bends.
+    pub(in crate::body) fn parts(&self) -> Vec<Vec<u32>> {
+        let continuum = self.continuum.as_ref();
+        let mut parts = continuum.map_or(Vec::new(), ContinuumLaw::nodes_of_parts);
+        parts.extend(self.springs.ends().map(|ends| ends.to_vec()));
+        parts.extend(self.others.iter().flat_map(|law| law.parts()));
+        parts
+    }
+
+    /// [`MaterialLaw::add_forces`] of some parts (ascending), under given pressures.
+    pub(in crate::body) fn add_forces_of_parts(
+        &self,
+        mut parts: &[u32],
+        rest: &[Lane],
+        given: Given<'_>,
+        places: &[Lane],
+        residual: &mut [Lane],
+    ) {
+        let mut first = 0;
+        let mut next = |count: usize| {
+            let begin = first;
+            first += count as u32;
+            let (own, others) = parts.split_at(parts.partition_point(|part| *part < first));
+            parts = others;
+            (own, begin)
+        };
+        if let Some(continuum) = &self.continuum {
+            let own = next(continuum.part_count());
+            continuum.add_forces_of_some(own, rest, Some(given), places, residual);
+        }
+        let own = next(self.springs.len());
+        self.springs.add_forces_of_some(own, rest, places, residual);
+        for law in &self.others {
+            law.add_forces_of_parts(next(law.part_count()), places, residual);
+        }
+    }
+
     /// Lanes of pressures that are unknowns; none without a continuum.
     pub(in crate::body) fn pressure_lanes(&self) -> usize {
         self.continuum

@@ -109,6 +109,27 @@ impl ForceLaw for VolumeBarrier {
         self.energy_j(places)
     }
 
+    fn parts(&self) -> Vec<Vec<u32>> {
+        let nodes = |block: &Block| block.nodes.as_flattened().to_vec();
+        self.blocks.iter().map(nodes).collect()
+    }
+
+    fn part_count(&self) -> usize {
+        self.blocks.len()
+    }
+
+    fn add_forces_of_parts(
+        &self,
+        (parts, first): (&[u32], u32),
+        places: &[Lane],
+        residual: &mut [Lane],
+    ) {
+        for part in parts {
+            let block = &self.blocks[(part - first) as usize];
+            add_forces::<Baseline>(std::slice::from_ref(block), places, residual);
+        }
+    }
+
     fn edges(&self) -> Vec<Edge> {
         Vec::new()
     }

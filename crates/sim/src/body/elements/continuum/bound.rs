@@ -15,6 +15,18 @@ impl ForceLaw for ContinuumLaw {
         self.energy_j(places)
     }
 
+    fn parts(&self) -> Vec<Vec<u32>> {
+        self.nodes_of_parts()
+    }
+
+    fn part_count(&self) -> usize {
+        self.part_count()
+    }
+
+    fn add_forces_of_parts(&self, parts: (&[u32], u32), places: &[Lane], residual: &mut [Lane]) {
+        self.add_forces_of_some(parts, &[], None, places, residual);
+    }
+
     fn edges(&self) -> Vec<Edge> {
         self.laplacian()
     }

@@ -107,6 +107,16 @@ pub(in crate::body) struct Given<'a> {
     pub gaps: &'a mut [Lane],
 }
 
+impl Given<'_> {
+    /// The same once more.
+    fn again(&mut self) -> Given<'_> {
+        Given {
+            pressures: self.pressures,
+            gaps: self.gaps,
+        }
+    }
+}
+
 /// Where a cell's energy is integrated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Points {
@@ -263,6 +273,53 @@ impl ContinuumLaw {
         add_forces::<Baseline>(self, metrics, given, places, residual);
     }
 
+    /// Blocks of cells, or patches where cells share pressures.
+    pub(in crate::body) fn part_count(&self) -> usize {
+        match self.patches.len() {
+            0 => self.blocks.len(),
+            count => count,
+        }
+    }
+
+    /// The blocks of a part.
+    fn blocks_of_part(&self, part: usize) -> std::ops::Range<usize> {
+        match self.patches.get(part) {
+            Some(patch) => patch.first..patch.first + patch.count,
+            None => part..part + 1,
+        }
+    }
+
+    /// Nodes of each part.
+    pub(in crate::body) fn nodes_of_parts(&self) -> Vec<Vec<u32>> {
+        let of_block = |k: usize| {
+            let block = &self.blocks[k];
+            let there = |four: &[u32; 4]| four[..block.count].to_vec();
+            block.nodes.iter().flat_map(there).collect::<Vec<_>>()
+        };
+        let nodes = |part| self.blocks_of_part(part).flat_map(of_block).collect();
+        (0..self.part_count()).map(nodes).collect()
+    }
+
+    /// [`ContinuumLaw::add_forces_of`] of some parts, whose numbers count from a first one.
+    pub(in crate::body) fn add_forces_of_some(
+        &self,
+        parts: (&[u32], u32),
+        metrics: &[Lane],
+        given: Option<Given<'_>>,
+        places: &[Lane],
+        residual: &mut [Lane],
+    ) {
+        #[cfg(target_arch = "x86_64")]
+        if palpate_geometry::math::simd::has_avx2() {
+            // SAFETY: the processor has AVX2, asked just above.
+            #[allow(unsafe_code)]
+            return unsafe {
+                add_forces_of_some_avx2(self, parts, metrics, given, places, residual)
+            };
+        }
+        add_forces_of_some::<Baseline>(self, parts, metrics, given, places, residual);
+    }
+
     /// −∂Ψ/∂x (node_count), N.
     pub fn forces(&self, places: &[Lane]) -> Vec<Vector3> {
         let mut residual = vec![[0.0; 4]; places.len()];
@@ -315,6 +372,22 @@ impl ContinuumLaw {
 fn add_forces<L: Lanes>(
     law: &ContinuumLaw,
     metrics: &[Lane],
+    mut given: Option<Given<'_>>,
+    places: &[Lane],
+    residual: &mut [Lane],
+) {
+    for part in 0..law.part_count() {
+        let given = given.as_mut().map(Given::again);
+        add_forces_of_part::<L>(law, part, metrics, given, places, residual);
+    }
+}
+
+/// Of the cells that have a block in common, or a pressure.
+#[inline(always)]
+fn add_forces_of_part<L: Lanes>(
+    law: &ContinuumLaw,
+    part: usize,
+    metrics: &[Lane],
     given: Option<Given<'_>>,
     places: &[Lane],
     residual: &mut [Lane],
@@ -324,32 +397,45 @@ fn add_forces<L: Lanes>(
         Some(Given { pressures, gaps }) => (Some(pressures), gaps),
         None => (None, &mut []),
     };
-    if !law.patches.is_empty() {
+    if let Some(patch) = law.patches.get(part) {
         let parts = pressures.map(|all| all.split_at(blocks.len()));
-        for (k, patch) in law.patches.iter().enumerate() {
-            let of_patch = parts.map(|(cells, patches)| (cells, patches.as_flattened()[k]));
-            let gap = patch.add_forces::<L>(blocks, metrics, of_patch, places, residual, gaps);
-            if parts.is_some() {
-                gaps[blocks.len()..].as_flattened_mut()[k] = gap;
-            }
+        let of_patch = parts.map(|(cells, patches)| (cells, patches.as_flattened()[part]));
+        let gap = patch.add_forces::<L>(blocks, metrics, of_patch, places, residual, gaps);
+        if parts.is_some() {
+            gaps[blocks.len()..].as_flattened_mut()[part] = gap;
         }
         return;
     }
-    for (k, block) in blocks.iter().enumerate() {
-        let given = pressures.map(|all| &all[k]);
-        let gap = match law.points {
-            Points::Eight => match block::metrics_of(block, metrics, k) {
-                Some(own) => kernel::add_forces::<L>(block, own, given, places, residual),
-                None => continue,
-            },
-            Points::Centre => match block::metrics_of(block, metrics, k) {
-                Some(own) => centre::add_forces::<L>(block, own, given, places, residual),
-                None => continue,
-            },
-        };
-        if given.is_some() {
-            gap.store(&mut gaps[k]);
-        }
+    let block = &blocks[part];
+    let given = pressures.map(|all| &all[part]);
+    let gap = match law.points {
+        Points::Eight => match block::metrics_of(block, metrics, part) {
+            Some(own) => kernel::add_forces::<L>(block, own, given, places, residual),
+            None => return,
+        },
+        Points::Centre => match block::metrics_of(block, metrics, part) {
+            Some(own) => centre::add_forces::<L>(block, own, given, places, residual),
+            None => return,
+        },
+    };
+    if given.is_some() {
+        gap.store(&mut gaps[part]);
+    }
+}
+
+#[inline(always)]
+fn add_forces_of_some<L: Lanes>(
+    law: &ContinuumLaw,
+    (parts, first): (&[u32], u32),
+    metrics: &[Lane],
+    mut given: Option<Given<'_>>,
+    places: &[Lane],
+    residual: &mut [Lane],
+) {
+    for part in parts {
+        let given = given.as_mut().map(Given::again);
+        let part = (part - first) as usize;
+        add_forces_of_part::<L>(law, part, metrics, given, places, residual);
     }
 }
 
@@ -364,6 +450,20 @@ fn add_forces_avx2(
     residual: &mut [Lane],
 ) {
     add_forces::<palpate_geometry::math::lanes::Wide>(law, metrics, given, places, residual);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn add_forces_of_some_avx2(
+    law: &ContinuumLaw,
+    parts: (&[u32], u32),
+    metrics: &[Lane],
+    given: Option<Given<'_>>,
+    places: &[Lane],
+    residual: &mut [Lane],
+) {
+    use palpate_geometry::math::lanes::Wide;
+    add_forces_of_some::<Wide>(law, parts, metrics, given, places, residual);
 }
 
 fn check(grid: &CellGrid, elastic: &[Elastic]) -> Result<(), ContinuumError> {

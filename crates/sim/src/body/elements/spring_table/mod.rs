@@ -30,6 +30,8 @@ pub(in crate::body) struct SpringTable {
     stiffening: Option<Stiffening>,
     count: usize,
     loose_count: usize,
+    /// Spring by spring, in the order of [`SpringTable::each`]: its ends, its block and its place there.
+    ends: Vec<([u32; 2], u32, u32)>,
 }
 
 /// Springs looked through for one that shares no node with its block.
@@ -54,6 +56,7 @@ impl SpringTable {
             stiffening,
             count,
             loose_count,
+            ends: Vec::new(),
         };
         let mut waiting: Vec<&Spring> = Vec::with_capacity(WINDOW);
         let mut coming = loose.iter();
@@ -64,6 +67,10 @@ impl SpringTable {
                 waiting.push(spring);
             }
             if waiting.is_empty() {
+                let ends = table.each().map(|(block, place, a, b, _)| {
+                    ([a as u32, b as u32], block as u32, place as u32)
+                });
+                table.ends = ends.collect();
                 return table;
             }
             let mut block: Vec<&Spring> = Vec::with_capacity(4);
@@ -166,6 +173,47 @@ impl SpringTable {
         });
         let all = self.panels.each().chain(loose);
         all.map(|(block, place, a, b)| (block, place, a, b, self.stiffness[block][place]))
+    }
+
+    /// The ends of each spring.
+    pub(in crate::body) fn ends(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
+        self.ends.iter().map(|(ends, ..)| *ends)
+    }
+
+    /// Adds forces (N) of some springs, whose numbers count from a first one.
+    pub(in crate::body) fn add_forces_of_some(
+        &self,
+        (some, first): (&[u32], u32),
+        rest: &[Four],
+        places: &[Lane],
+        residual: &mut [Lane],
+    ) {
+        let law = self.stiffening.as_ref();
+        let pull = Pull::<Baseline, true>::new(law);
+        for four in some.chunks(4) {
+            let (mut d, mut k, mut length) = ([[0.0; 4]; 3], [0.0; 4], [1.0; 4]);
+            for (lane, number) in four.iter().enumerate() {
+                let ([a, b], block, place) = self.ends[(number - first) as usize];
+                let (from, to) = (&places[a as usize], &places[b as usize]);
+                for axis in 0..3 {
+                    d[axis][lane] = to[axis] - from[axis];
+                }
+                k[lane] = self.stiffness[block as usize][place as usize];
+                length[lane] = rest[block as usize][place as usize];
+            }
+            let mut pulls = [0.0; 4];
+            let [x, y, z] = &d;
+            let along = [Baseline::load(x), Baseline::load(y), Baseline::load(z)];
+            pull.of(along, &k, &length).store(&mut pulls);
+            for (lane, number) in four.iter().enumerate() {
+                let ([a, b], ..) = self.ends[(number - first) as usize];
+                for axis in 0..3 {
+                    let force = d[axis][lane] * pulls[lane];
+                    residual[a as usize][axis] += force;
+                    residual[b as usize][axis] -= force;
+                }
+            }
+        }
     }
 
     /// Buffers of a pass.
