@@ -10,7 +10,9 @@
 //!
 //! Under gaps off by these the rows are solved for once more, on the same matrix D and from the forces that are there.
 //! The difference of a tool's forces, and what their turning makes, is one more Newton step of the whole tick, as far as
-//! contact sees it; the error is twice that. Where the step has converged it is zero.
+//! contact sees it; the error is twice that. Where the step has converged it is zero, but for one thing: a point of a tool
+//! that stays in touch ([`crate::contact`]) pushes along the body's normal, not along its own, and where it is not quite the
+//! deepest one both differ at rest, too.
 //!
 //! Not seen: what is left of the equation beyond the coordinates that carry; bodies that take several ticks a step, or
 //! step without a matrix; gaps of B-spline tools and between bodies.

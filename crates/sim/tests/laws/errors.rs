@@ -5,8 +5,13 @@ use crate::common::World;
 use palpate_sim::tick::flags::DEGRADED;
 use palpate_sim::tick::record::ToolOutput;
 
-/// A slab of 20 kPa, 60 mm wide and 20 mm thick, that is held by its edges, or a rigid sheet; and a ball of 10 mm.
-fn scene(body: &str) -> World {
+/// A ball of 10 mm: the point of it that touches rolls with the contact.
+const BALL: &str = "sphere = { radius_m = 0.01 }";
+/// As good as one, whose point that touches stays; it goes in nowhere beyond the net.
+const CAPSULE: &str = "capsule = { radius_m = 0.01, half_length_m = 1e-7 }";
+
+/// A slab of 20 kPa, 60 mm wide and 20 mm thick, that is held by its edges, or a rigid sheet; and a tool.
+fn scene(body: &str, shape: &str) -> World {
     World::new(&format!(
         r#"
 [[body]]
@@ -14,8 +19,8 @@ id = "slab"
 surface = {{ builtin = "sheet", net = [9, 9], size = 0.06 }}
 {body}
 [[tool]]
-id = "ball"
-shape = {{ capsule = {{ radius_m = 0.01, half_length_m = 1e-7 }} }}
+id = "tool"
+shape = {{ {shape} }}
 pose = {{ position = [0.0, 0.0, 0.02] }}
 coupling = {{ stiffness_n_m = 2000.0, damping_n_s_m = 0.0 }}
 device = {{ force_max_n = 1e6, ramp_s = 0.0, speed_max_m_s = 1e6 }}
@@ -23,13 +28,14 @@ device = {{ force_max_n = 1e6, ramp_s = 0.0, speed_max_m_s = 1e6 }}
     ))
 }
 
-fn soft(iterations: usize) -> World {
-    scene(&format!(
+fn soft(iterations: usize, shape: &str) -> World {
+    let body = format!(
         "model = \"continuum\"\nlattice = {{ layers = 3, refine = \"none\", thickness_m = 0.02 }}\n\
          material = {{ young_pa = 20e3, poisson = 0.45, damping_s = 2e-3 }}\n\
          integrator = {{ iterations = {iterations} }}\n\
          fixed = [{{ u = [0.0, 0.1], v = [0.0, 1.0] }}, {{ u = [0.9, 1.0], v = [0.0, 1.0] }}]"
-    ))
+    );
+    scene(&body, shape)
 }
 
 /// Presses at a speed to a depth and holds; what the tool gets in each tick.
@@ -43,14 +49,15 @@ fn pressed(world: &mut World, speed_m_s: f64, depth_m: f64, hold: usize) -> Vec<
 
 #[test]
 fn forces_of_rigid_bodies_are_exact() {
-    let tools = pressed(&mut scene(""), 0.05, 2e-3, 5);
+    let tools = pressed(&mut scene("", CAPSULE), 0.05, 2e-3, 5);
     assert!(tools.last().unwrap().contact_force_n.norm() > 1.0);
     assert!(tools.iter().all(|tool| tool.error_n == 0.0));
 }
 
 #[test]
 fn errors_are_there_while_a_body_is_pressed_and_gone_at_rest() {
-    let mut world = soft(1);
+    // Of a capsule what stays at rest is by how much its normal at the point that touches is not the body's.
+    let mut world = soft(1, BALL);
     let tools = pressed(&mut world, 0.1, 3e-3, 400);
     let share = |tool: &ToolOutput| tool.error_n / tool.contact_force_n.norm();
     let pressing = &tools[..35];
@@ -67,15 +74,21 @@ fn errors_are_there_while_a_body_is_pressed_and_gone_at_rest() {
 
 #[test]
 fn a_jump_is_far_off_and_flagged_and_a_slow_press_is_not() {
-    let tools = pressed(&mut soft(1), 10.0, 7e-3, 1);
-    let worst = tools.iter().max_by(|a, b| a.error_n.total_cmp(&b.error_n));
+    let tools = pressed(&mut soft(1, CAPSULE), 10.0, 9e-3, 1);
+    let worst = (0..tools.len()).max_by(|&a, &b| tools[a].error_n.total_cmp(&tools[b].error_n));
     let worst = worst.unwrap();
+    // The same tick, its first one in touch, with its equations solved to the end: a tenth away.
+    let solved = &pressed(&mut soft(30, CAPSULE), 10.0, 9e-3, 1)[worst];
+    let worst = &tools[worst];
+    let off_n = (worst.contact_force_n - solved.contact_force_n).norm();
+    assert!(off_n > 0.05 * solved.contact_force_n.norm(), "{off_n} N");
+    assert!(off_n < 2.0 * worst.error_n, "{off_n} N: {worst:?}");
     assert!(
         worst.error_n > 0.05 * worst.contact_force_n.norm(),
         "{worst:?}"
     );
     assert!(worst.flags & DEGRADED != 0, "{worst:?}");
-    for tool in pressed(&mut soft(1), 2e-3, 2e-3, 0) {
+    for tool in pressed(&mut soft(1, CAPSULE), 2e-3, 2e-3, 0) {
         assert!(tool.flags & DEGRADED == 0, "{tool:?}");
     }
 }
