@@ -25,6 +25,8 @@ class Trace:
     """By tool (ticks,): penetration, m."""
     flags: "dict[str, NDArray[np.uint32]]"
     """By tool (ticks,): bits of :class:`palpate.ForceFlags`."""
+    error_n: "dict[str, NDArray[np.float64]]"
+    """By tool (ticks,): how far contact forces may be from those of the exact step, N."""
 
 
 def _trace(columns: "dict[str, Any]") -> Trace:

@@ -6,7 +6,7 @@ use palpate_sim::tick::record::ToolOutput;
 use pyo3::prelude::*;
 
 /// What is written of each tool after a step: name, and numbers to a copy.
-pub const RESULTS: [(&str, usize); 8] = [
+pub const RESULTS: [(&str, usize); 9] = [
     ("force", 3),
     ("torque", 3),
     ("contact_force", 3),
@@ -15,6 +15,7 @@ pub const RESULTS: [(&str, usize); 8] = [
     ("proxy", 7),
     ("energy", 1),
     ("dissipated", 1),
+    ("error_n", 1),
 ];
 
 /// Arrays of a tool.
@@ -58,7 +59,8 @@ pub fn write_result(name: &str, out: &ToolOutput, row: &mut [f64]) {
         "depth" => row[0] = depth(out),
         "proxy" => row.copy_from_slice(&proxy(out)),
         "energy" => row[0] = out.energy_j,
-        _ => row[0] = out.dissipated_j,
+        "dissipated" => row[0] = out.dissipated_j,
+        _ => row[0] = out.error_n,
     }
 }
 

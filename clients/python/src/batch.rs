@@ -315,6 +315,11 @@ impl Batch {
         self.result(py, tool, "dissipated")
     }
 
+    /// How far contact forces may be from those of the exact step: (n,) live view, N.
+    fn error_n<'py>(&self, py: Python<'py>, tool: &str) -> PyResult<Bound<'py, PyAny>> {
+        self.result(py, tool, "error_n")
+    }
+
     /// Bits of `ForceFlags`: (n,) uint32 live view.
     fn flags<'py>(&self, py: Python<'py>, tool: &str) -> PyResult<Bound<'py, PyAny>> {
         view(self.tool(tool)?.flags.bind(py).as_any(), false)

@@ -205,7 +205,7 @@ impl Simulation {
     /// -------
     /// dict
     ///     `tick` (ticks,), `hash` (ticks,), and by tool `force`, `torque`, `contact_force`
-    ///     (ticks, 3), `depth` (ticks,) and `flags` (ticks,).
+    ///     (ticks, 3), `depth`, `flags` and `error_n` (ticks,).
     fn _run<'py>(
         &self,
         py: Python<'py>,
@@ -256,6 +256,7 @@ impl Simulation {
                     .extend_from_slice(out.contact_force_n.as_slice());
                 trace.depth.push(depth(out));
                 trace.flags.push(out.flags);
+                trace.error_n.push(out.error_n);
             }
         });
         inner.refresh(py)?;
@@ -263,8 +264,15 @@ impl Simulation {
         let result = PyDict::new(py);
         result.set_item("tick", PyArray1::from_vec(py, numbers))?;
         result.set_item("hash", PyArray1::from_vec(py, hashes))?;
-        let by_name = ["force", "torque", "contact_force", "depth", "flags"]
-            .map(|name| (name, PyDict::new(py)));
+        let by_name = [
+            "force",
+            "torque",
+            "contact_force",
+            "depth",
+            "flags",
+            "error_n",
+        ]
+        .map(|name| (name, PyDict::new(py)));
         for (trace, id) in traces.into_iter().zip(self.built.tool_ids()) {
             by_name[0]
                 .1
@@ -281,6 +289,9 @@ impl Simulation {
             by_name[4]
                 .1
                 .set_item(&id, PyArray1::from_vec(py, trace.flags))?;
+            by_name[5]
+                .1
+                .set_item(&id, PyArray1::from_vec(py, trace.error_n))?;
         }
         for (name, values) in by_name {
             result.set_item(name, values)?;
@@ -441,4 +452,5 @@ struct Trace {
     contact_force: Vec<f64>,
     depth: Vec<f64>,
     flags: Vec<u32>,
+    error_n: Vec<f64>,
 }

@@ -45,16 +45,18 @@ def test_threads_do_not_change_bits(soft_scene: pp.Scene) -> None:
 
 def test_views_are_live_and_outlive_the_batch(soft_scene: pp.Scene) -> None:
     batch = pp.Batch(soft_scene, n=3)
-    names = ("force", "torque", "contact_force", "contact_torque", "depth", "proxy", "energy", "dissipated", "flags")
+    names = ("force", "torque", "contact_force", "contact_torque", "depth", "proxy", "energy", "dissipated")
+    names += ("error_n", "flags")
     views = {name: getattr(batch, name)("ball") for name in names}
     shapes = [view.shape for view in views.values()]
-    assert shapes == [(3, 3), (3, 3), (3, 3), (3, 3), (3,), (3, 7), (3,), (3,), (3,)]
+    assert shapes == [(3, 3), (3, 3), (3, 3), (3, 3), (3,), (3, 7), (3,), (3,), (3,), (3,)]
     nets = batch.net("drop")
     rest = nets.copy()
     for place in press(150):
         batch.pose("ball")[1, :3] = place
         batch.step()
     assert views["depth"][1] > 0.0 and views["depth"][0] == 0.0
+    assert views["error_n"][1] > 0.0 and views["error_n"][0] == 0.0
     assert np.abs(nets[1] - rest[1]).max() > 1e-4
     np.testing.assert_array_equal(nets[0], rest[0])
     contacts = batch.contacts()

@@ -23,6 +23,8 @@ def test_a_press_in_process_has_the_bits_of_the_daemon_in_lockstep(soft_scene: p
     np.testing.assert_array_equal(recording.ticks["ball"].force, trace.force["ball"])
     np.testing.assert_array_equal(forces, trace.force["ball"])
     np.testing.assert_array_equal(recording.ticks["ball"].depth, trace.depth["ball"])
+    np.testing.assert_array_equal(recording.ticks["ball"].error_n, trace.error_n["ball"])
+    assert trace.error_n["ball"].max() > 0.0
 
 
 def test_steps_and_a_run_are_the_same(soft_scene: pp.Scene) -> None:
@@ -32,6 +34,7 @@ def test_steps_and_a_run_are_the_same(soft_scene: pp.Scene) -> None:
         out = sim.step({"ball": pp.Pose(position=place)})
         assert out.hash == trace.hash[k] == sim.hash()
         np.testing.assert_array_equal(out.force["ball"], trace.force["ball"][k])
+        assert out.error_n["ball"] == trace.error_n["ball"][k]
 
 
 def test_the_force_on_a_rigid_ball_is_stiffness_times_depth(rigid_scene: pp.Scene) -> None:
