@@ -66,11 +66,10 @@ fn tell_tool(out: &mut String, tool: &ToolExplained) {
         error_n,
         flags: bits,
     } = tool;
-    let _ = write!(
-        out,
-        "tool {id}: force {:.6} N, off by about {error_n:.1e} N",
-        norm(force_n)
-    );
+    let _ = write!(out, "tool {id}: force {:.6} N", norm(force_n));
+    if *error_n > 0.0 {
+        let _ = write!(out, ", off by about {error_n:.1e} N");
+    }
     if force_n != contact_force_n {
         let _ = write!(
             out,

@@ -471,7 +471,9 @@ fn files_of_other_kinds_are_told_apart() {
     rewrite(&whole, &other, |topic, data| {
         if topic == "/sim/tick" {
             let mut tick = pb::Tick::decode(&data[..]).unwrap();
-            tick.tools[0].values.pop();
+            // Recordings without errors of forces have one value less.
+            let values = &mut tick.tools[0].values;
+            values.truncate(values.len() - 2);
             *data = tick.encode_to_vec();
         }
     });
