@@ -127,7 +127,7 @@ fn golden_messages_are_read_by_the_layouts_alone() {
             walker.0.len()
         );
     }
-    assert_eq!(names.len(), 9, "{:?}", names.keys());
+    assert_eq!(names.len(), 10, "{:?}", names.keys());
     // All of them at once, each under its own key.
     let all = palpate
         .ask(
