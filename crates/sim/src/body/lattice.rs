@@ -135,11 +135,7 @@ impl<'a, M: Fn(usize) -> Material> Solid<'a, M> {
             }
         };
         let quality = grid.quality();
-        let grains = match inside {
-            // Smooth coordinates bend under a tool within a span.
-            Inside::SmoothContinuum => Vec::new(),
-            _ => grains(grid, &map, coordinates.len(), elastic),
-        };
+        let grains = grains(grid, &map, coordinates.len(), elastic);
         let blueprint = Blueprint {
             coordinates,
             map,

@@ -79,35 +79,33 @@ pub(crate) fn find(search: &mut Search<'_>) {
                 Holder::Body(other) => search.bodies[other as usize].surface.net().points()[0],
             };
             let away_m = distance_squared_to_box(&place, low, high).sqrt();
-            let PairState { proxy, thinned } = &mut search.pairs[p];
+            let PairState { proxy, thinned, .. } = &mut search.pairs[p];
             proxy.leave(&place, away_m);
             *thinned = 0;
             search.rows.end_pair();
             continue;
         }
-        let mut dents = None;
         match pair.holder {
             Holder::Tool(t) => {
                 let t = t as usize;
                 if search.tools[t].link.phase == LinkPhase::Absent {
                     continue;
                 }
-                match scene.tools[t].shape.ball_radius_m() {
+                let pose = match scene.tools[t].shape.ball_radius_m() {
                     Some(radius_m) if pair.method == Method::Exact => {
                         ball(search, p, t, radius_m);
-                        // A point has no patch.
-                        dents = Some(radius_m).filter(|radius_m| *radius_m > 0.0);
+                        Pose::identity()
                     }
                     _ => shape(search, p, t),
-                }
+                };
+                search.rows.end_pair();
+                dent::touch(search, p, t, &pose);
+                continue;
             }
             Holder::Body(other) if other as usize == pair.body => itself(search, p),
             Holder::Body(other) => bodies(search, p, other as usize),
         }
         search.rows.end_pair();
-        if let Some(radius_m) = dents {
-            dent::touch(scene, search.warm, search.rows, search.touches, p, radius_m);
-        }
     }
     bounce::meet(scene, &mut search.rows.rows);
 }
@@ -189,7 +187,12 @@ fn ball(search: &mut Search<'_>, p: usize, t: usize, radius_m: f64) {
             stick::coefficient(pair, p, warm),
         );
     }
-    let PairState { proxy, thinned } = &mut pair_states[p];
+    let PairState {
+        proxy,
+        thinned,
+        sunk_m,
+        ..
+    } = &mut pair_states[p];
     let sided = parts.sided(body);
     let held = BallContact { sided, radius_m }.constrain(
         &last,
@@ -262,6 +265,7 @@ fn ball(search: &mut Search<'_>, p: usize, t: usize, radius_m: f64) {
         side: if proxy.below { -1.0 } else { 1.0 },
         margin_m: margin,
         every,
+        sunk_m: *sunk_m,
         beside_m: beside_m(&scene.tools[t].shape, body.size_m),
     };
     let warm = warm.rows();
@@ -337,8 +341,8 @@ impl Stand {
     }
 }
 
-/// Tools other than balls, and all on the `spheres` method.
-fn shape(search: &mut Search<'_>, p: usize, t: usize) {
+/// Tools other than balls, and all on the `spheres` method; returns where it looked at the tool.
+fn shape(search: &mut Search<'_>, p: usize, t: usize) -> Pose {
     let Search {
         scene,
         tools: states,
@@ -367,7 +371,12 @@ fn shape(search: &mut Search<'_>, p: usize, t: usize) {
         place: states[t].proxy,
         rotation: states[t].orientation,
     };
-    let PairState { proxy, thinned } = &mut pair_states[p];
+    let PairState {
+        proxy,
+        thinned,
+        sunk_m,
+        ..
+    } = &mut pair_states[p];
     let touched = proxy.touching;
     let scratch_pair = &mut pairs[p];
     let gripped = states[t].grip.holds();
@@ -475,7 +484,7 @@ fn shape(search: &mut Search<'_>, p: usize, t: usize) {
             margin_m: margin,
             remembers: !edges_known,
         };
-        return push_manifold(
+        push_manifold(
             rows,
             p,
             pair,
@@ -485,15 +494,20 @@ fn shape(search: &mut Search<'_>, p: usize, t: usize) {
             &stance,
             way,
         );
+        return pose;
     }
     let feet = scratch_pair.set.contacts().iter();
     let Some(view) = view else {
-        return push_plain(rows, p, pair, feet, None, way, margin);
+        push_plain(rows, p, pair, feet, None, way, margin);
+        return pose;
     };
     // What gives way has samples beside the deepest points.
     let feet = feet.filter(|contact| contact.point != ToolPoint::Round);
     let follow = match tool.shape {
-        ToolShape::Point => return push_plain(rows, p, pair, feet, Some(&view), way, margin),
+        ToolShape::Point => {
+            push_plain(rows, p, pair, feet, Some(&view), way, margin);
+            return pose;
+        }
         ToolShape::Sphere { .. } => Follow::Rolls,
         ToolShape::Plane { .. } => Follow::OnBody,
         ToolShape::Surface(_) | ToolShape::Implicit { .. } | ToolShape::Mesh(_) => Follow::Stays,
@@ -506,10 +520,12 @@ fn shape(search: &mut Search<'_>, p: usize, t: usize) {
         side: if proxy.below { -1.0 } else { 1.0 },
         margin_m: margin,
         every,
+        sunk_m: *sunk_m,
         beside_m: beside_m(shape, body.size_m),
     };
     let facing = |point: &Point3| scratch_pair.facing(shape, &pose, point, margin);
     push_feet(rows, p, pair, feet, warm, parts, &view, &tool, way, facing);
+    pose
 }
 
 /// Contacts nearer than this to a foot of a tool are no feet of their own, m.

@@ -53,6 +53,8 @@ pub(super) struct Treader<'a> {
     pub margin_m: f64,
     /// Every which sample is a row.
     pub every: usize,
+    /// How much farther than the net shows it was in, m.
+    pub sunk_m: f64,
     /// A contact nearer than this to a foot that is there already is no foot of its own.
     pub beside_m: f64,
 }
@@ -189,8 +191,8 @@ fn carried(rows: &RowSet, contact: &Contact, view: &DeformingView<'_>, tool: &Tr
     };
     let pressed = |sample: usize| {
         let row = row_of(rows, sample, view, tool)?;
-        let deep = -row.gap_m / (PRESSED * tool.margin_m);
-        let near = 1.0 - row.now_m / tool.margin_m;
+        let deep = -(row.gap_m + tool.sunk_m) / (PRESSED * tool.margin_m);
+        let near = 1.0 - (row.now_m + tool.sunk_m) / tool.margin_m;
         Some(deep.clamp(0.0, 1.0) * near.clamp(0.0, 1.0))
     };
     let inside = |sample: usize| {
@@ -211,7 +213,8 @@ fn held(rows: &RowSet, contact: &Contact, view: &DeformingView<'_>, tool: &Tread
     let around = view.samples.around(contact.u, contact.v);
     around.is_some_and(|around| {
         around.into_iter().all(|(sample, weight)| {
-            weight > 0.0 && row_of(rows, sample, view, tool).is_some_and(|row| row.gap_m < 0.0)
+            let is_in = |row: &Row| row.gap_m + tool.sunk_m < 0.0;
+            weight > 0.0 && row_of(rows, sample, view, tool).is_some_and(is_in)
         })
     })
 }

@@ -5,7 +5,7 @@
 //! find      for each of them the query, and its rows: tools here, bodies in between
 //! points    follow (feet of tools), manifold (rigid), meeting and lying (bodies), stick, grip: places that last
 //! feet      rows of contacts and samples
-//! dent      how far a ball goes in beyond what a net shows; bounce: how rows of rigid bodies end a tick
+//! dent      how far a tool goes in beyond what a net shows, profile: its heights there; bounce: how rows of rigid bodies end a tick
 //! warm      forces of the last tick, by row
 //! ```
 
@@ -20,6 +20,7 @@ pub(crate) mod lying;
 mod manifold;
 mod meeting;
 pub(crate) mod near;
+mod profile;
 mod search;
 pub(crate) mod stick;
 pub(crate) mod warm;

@@ -41,6 +41,12 @@ pub struct PairState {
     /// Every which of the body's samples is a row, in u and v: 2 and more where the contact has more
     /// than there are rows; 0 before there was a contact.
     pub thinned: u8,
+    /// How much farther than the body's net shows the forces of the last tick brought the tool in, m.
+    pub sunk_m: f64,
+    /// Radius over which the net spreads its force, m; 0 where it does not touch.
+    pub patch_m: f64,
+    /// By how much less it goes in where the net shows more than one place, m.
+    pub less_m: f64,
 }
 
 stateful!(PairState, |this, walk| {
@@ -57,6 +63,9 @@ stateful!(PairState, |this, walk| {
                 queried,
             },
         thinned,
+        sunk_m,
+        patch_m,
+        less_m,
     } = this;
     let WarmFoot {
         u,
@@ -76,6 +85,9 @@ stateful!(PairState, |this, walk| {
     )?;
     walk.float(clear_m)?;
     walk.float(deepest_m)?;
+    walk.float(sunk_m)?;
+    walk.float(patch_m)?;
+    walk.float(less_m)?;
     for value in [u, v, budget_m, net_cost] {
         walk.float(value)?;
     }

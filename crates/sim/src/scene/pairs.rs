@@ -100,6 +100,7 @@ pub(super) fn build(
                     method: Method::Exact,
                     friction: frictions.tools[tool],
                     restitution: 0.0,
+                    near_field: true,
                 }),
         );
     }
@@ -109,6 +110,7 @@ pub(super) fn build(
         method: Method::Exact,
         friction: None,
         restitution: 0.0,
+        near_field: false,
     };
     for body in 0..bodies.len() {
         for other in body + 1..bodies.len() {
@@ -175,6 +177,15 @@ pub(super) fn build(
                 );
             }
             named.for_each(|pair| pair.restitution = restitution);
+        }
+        if let Some(near_field) = contact.near_field {
+            if matches!(holder, Holder::Body(_)) {
+                top.key("contact").entry(c).key("near_field").refuse(
+                    "only tools go into a body by what its net does not show, bodies do not; drop it",
+                );
+            }
+            let named = pairs.iter_mut().filter(|pair| named(pair));
+            named.for_each(|pair| pair.near_field = near_field);
         }
         match contact.method {
             ContactMethod::Exact => {}

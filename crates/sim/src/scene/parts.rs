@@ -134,6 +134,8 @@ pub(crate) struct Pair {
     pub friction: Option<Friction>,
     /// With how much of the speed at which they meet two rigid bodies part.
     pub restitution: f64,
+    /// The tool goes in by what the body's net does not show.
+    pub near_field: bool,
 }
 
 impl Pair {

@@ -183,6 +183,10 @@ pub struct ContactSpec {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(test, schemars(range(min = 0, max = 1)))]
     pub restitution: Option<f64>,
+    /// Of a tool and a body that deforms: the tool goes in by what the control net does not show of the contact; true
+    /// when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub near_field: Option<bool>,
 }
 
 /// How a pair is tested.

@@ -11,6 +11,7 @@ use crate::party::{BodyScratch, BodyState, Party as _, Problem, ToolScratch, Too
 use crate::scene::Scene;
 use crate::solve::friction::FrictionLaw;
 use crate::solve::hold::{Barrier, hold};
+use crate::solve::indentation::Indentation;
 use crate::solve::rows::{Row, RowSet};
 use crate::solve::sharing::{Share, share};
 use crate::solve::solver::Solver;
@@ -42,6 +43,7 @@ impl Balance<'_> {
     pub(crate) fn solve(&mut self) {
         let scene = self.scene;
         self.solver.problem.clear();
+        self.solver.indentations.fill(Indentation::default());
         let rows = self.rows.rows.iter();
         let rows = rows.map(|row| (row.normal, row.law.acts_across()));
         self.solver.matrix.begin(rows);

@@ -4,7 +4,7 @@ use super::record::{Command, TickInput, TickOutput};
 use super::{
     RunState, SceneState, Scratch, admit, arrive, flags, invariants, iterate, motion, quality,
 };
-use crate::contact::{PairState, Search, find, grip, near};
+use crate::contact::{PairState, Search, dent, find, grip, near};
 use crate::party::{Around, Party as _};
 use crate::report::explain::{self, Explanation};
 use crate::report::{degraded, error, outputs};
@@ -222,11 +222,14 @@ fn report(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, output: 
         degraded,
         ..
     } = scratch;
-    let SceneState { tools, warm, .. } = state;
+    let SceneState {
+        tools, pairs, warm, ..
+    } = state;
     outputs::write(scene, tools, tool_parts, rows, solver, rest, output);
     error::report(errors, tools, tool_parts, output);
     degraded::mark(scene, bodies, &rows.rows, solver, degraded, output);
     outputs::remember(scene, warm, bodies, rows, solver, rest);
+    dent::remember(rows, solver, pairs);
 }
 
 fn balance<'a>(scene: &'a Scene, state: &'a SceneState, scratch: &'a mut Scratch) -> Balance<'a> {

@@ -125,14 +125,13 @@ fn a_net_presses_as_its_full_model_wherever_the_tool_stands() {
             lattice,
             "material = { young_pa = 20e3, damping_s = 2e-3 }",
         );
-        let text = text
-            .replace("net = [7, 7]", "net = [11, 11]")
-            // A capsule of no length is a ball whose touch has nothing but the net.
-            .replace(
-                "sphere = { radius_m = 0.02 }",
-                "capsule = { radius_m = 0.04, half_length_m = 1e-6 }",
-            );
-        assert!(text.contains("capsule"));
+        let text = text.replace("net = [7, 7]", "net = [11, 11]").replace(
+            "sphere = { radius_m = 0.02 }",
+            "sphere = { radius_m = 0.04 }",
+        );
+        assert!(text.contains("0.04"));
+        // Nothing but the nets.
+        let text = format!("{text}[[contact]]\npair = [\"ball\", \"slab\"]\nnear_field = false\n");
         let mut world = World::new(&text);
         world.at([-0.015, y, 0.041]);
         for k in 0..300 {

@@ -7,11 +7,13 @@ use palpate_sim::tick::record::ToolOutput;
 
 /// A ball of 10 mm: the point of it that touches rolls with the contact.
 const BALL: &str = "sphere = { radius_m = 0.01 }";
-/// As good as one, whose point that touches stays; it goes in nowhere beyond the net.
+/// As good as one, whose point that touches stays.
 const CAPSULE: &str = "capsule = { radius_m = 0.01, half_length_m = 1e-7 }";
 
 /// A slab of 20 kPa, 60 mm wide and 20 mm thick, that is held by its edges, or a rigid sheet; and a tool.
 fn scene(body: &str, shape: &str) -> World {
+    // The capsule is there to press hard at once: what it went in beyond the net would take that off.
+    let near_field = shape == BALL;
     World::new(&format!(
         r#"
 [[body]]
@@ -24,6 +26,9 @@ shape = {{ {shape} }}
 pose = {{ position = [0.0, 0.0, 0.02] }}
 coupling = {{ stiffness_n_m = 2000.0, damping_n_s_m = 0.0 }}
 device = {{ force_max_n = 1e6, ramp_s = 0.0, speed_max_m_s = 1e6 }}
+[[contact]]
+pair = ["tool", "slab"]
+near_field = {near_field}
 "#
     ))
 }

@@ -336,8 +336,9 @@ fn a_tool_that_grabs_between_the_first_samples_still_presses_there() {
             let sunk_m = radius - foot.signed_distance;
             (tool.force_n, sunk_m)
         });
+        // What the grip bears of the force, up to 0.01 N, does not bring a ball in beyond the net.
         assert!(
-            (grabbed.1 - pressed.1).abs() < 2e-5,
+            (grabbed.1 - pressed.1).abs() < 5e-5,
             "{shape}: {} m inside the body while it is held, {} m without",
             grabbed.1,
             pressed.1

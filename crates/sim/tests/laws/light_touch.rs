@@ -1,11 +1,13 @@
-//! Balls that press less of a solid than its control net resolves.
+//! Tools that press less of a solid than its control net resolves.
 
 use super::deformation::press_forces;
-use super::deforming_laws::bonded_layer;
-use crate::common::{World, teardrop};
+use crate::common::{World, pose, teardrop};
+use palpate_geometry::math::Rotation;
+use std::f64::consts::PI;
 
-/// Neo-Hookean finite elements, ν = 0.3, converged to about 1 %: a ball of 10 mm at 1 … 4 mm, N.
-const REFERENCE_N: [f64; 4] = [0.0450, 0.1045, 0.1720, 0.2461];
+/// Neo-Hookean finite elements, ν = 0.3, quadratic tetrahedra graded towards the touch, within 0.5 %: a ball of
+/// 10 mm at 1 … 4 mm, N.
+const REFERENCE_N: [f64; 4] = [0.0415, 0.1002, 0.1670, 0.2397];
 
 /// How far forces at 1 … 4 mm are off, of all.
 fn deviations(model: &str, layers: usize, refine: &str) -> [f64; 4] {
@@ -21,80 +23,234 @@ fn deviations(model: &str, layers: usize, refine: &str) -> [f64; 4] {
     off
 }
 
-// Without what the net does not show, the even nets meet 63, 40, 28 and 20 % too much, finer ones 20 % at
-// 1 mm.
 #[test]
-fn light_touches_of_coarse_and_fine_nets_meet_the_reference() {
-    for model in ["lattice", "continuum"] {
-        let even = deviations(model, 4, "\"auto\"");
-        assert!(even.iter().all(|off| off.abs() < 0.15), "{model}: {even:?}");
-        let fine = deviations(model, 4, "{ focus = [[0.024, 0.003, 0.045]] }");
-        assert!(fine.iter().all(|off| off.abs() < 0.1), "{model}: {fine:?}");
+fn light_touches_of_the_teardrop_have_the_forces_of_the_reference() {
+    let focus = "{ focus = [[0.024, 0.003, 0.045]] }";
+    // The lattice's own law and few layers of a net make the rest; without what nets do not show, these
+    // are +77 … −1 %.
+    for (model, layers, refine, most) in [
+        ("lattice", 4, "\"auto\"", 0.06),
+        ("lattice", 4, focus, 0.14),
+        ("continuum", 4, "\"auto\"", 0.07),
+        ("continuum", 4, focus, 0.09),
+        ("continuum", 6, "\"auto\"", 0.06),
+        ("continuum", 6, focus, 0.06),
+        ("net", 2, "\"auto\"", 0.13),
+        ("net", 2, focus, 0.1),
+        ("net", 4, "\"auto\"", 0.06),
+    ] {
+        let off = deviations(model, layers, refine);
+        assert!(off.iter().all(|off| off.abs() < most), "{model}: {off:?}");
     }
 }
 
-// A net's smooth coordinates bend under a tool within a span: it has nothing added.
-#[test]
-fn a_fine_reduced_net_meets_the_reference_within_ten_percent() {
-    let off = deviations("net", 2, "{ focus = [[0.024, 0.003, 0.045]] }");
-    assert!(off[0].abs() < 0.2, "{off:?}");
-    assert!(off[1..].iter().all(|off| off.abs() < 0.1), "{off:?}");
-    deviations("net", 2, "\"auto\"");
+/// E*, Pa, of the slab.
+const PLANE_PA: f64 = 20e3 / (1.0 - 0.3 * 0.3);
+/// How much farther the bonded slab goes in under a force than a half-space, m/N: −1.28 / (π E* T).
+const LAYER_M_N: f64 = -1.28 / (PI * PLANE_PA * 0.03);
+
+/// A slab of 60 mm × 60 mm × 30 mm, bonded to the floor, of so many spans and layers of cells.
+struct Slab {
+    model: &'static str,
+    spans: usize,
+    layers: usize,
 }
 
-/// A ball of 10 mm on a slab of 60 mm × 60 mm × 30 mm of cubic cells: forces over Hertz' with the
-/// finite thickness of a bonded layer (Dimitriadis et al. 2002, eq. 11), at depths in millimetres.
-fn slab(shape: &str, spans: usize, depths_mm: &[f64]) -> Vec<f64> {
-    let (young, nu, radius, thickness) = (20e3, 0.3, 0.01, 0.03);
-    let inner: Vec<f64> = (1..spans).map(|k| k as f64 / spans as f64).collect();
-    let layers = spans / 2 + 1;
-    let text = format!(
-        "[[body]]\nid = \"slab\"\nsurface = {{ builtin = \"sheet\", net = [4, 4], size = 0.06 }}\n\
-         model = \"continuum\"\nmaterial = {{ young_pa = {young:?}, poisson = {nu:?}, damping_s = 5e-3 }}\n\
-         lattice = {{ thickness_m = {thickness:?}, layers = {layers}, refine = {{ u = {inner:?}, v = {inner:?} }} }}\n\
-         fixed = [{{ point = [0.0, 0.0, -0.0299], normal = [0.0, 0.0, 1.0] }}]\n\
-         [[tool]]\nid = \"ball\"\nshape = {shape}\n\
-         pose = {{ position = [0.0, 0.0, 0.03] }}\n\
-         coupling = {{ stiffness_n_m = inf, damping_n_s_m = 0.0 }}\n\
-         device = {{ force_max_n = 1e9, ramp_s = 0.0 }}\n"
-    );
-    let mut world = World::new(&text);
-    let mut z = radius + 1e-4;
-    let mut ratios = Vec::new();
-    for depth_mm in depths_mm {
-        let depth = 1e-3 * depth_mm;
-        while z > radius - depth {
-            z = (z - 4e-5_f64).max(radius - depth);
-            world.at([0.0013, 0.0007, z]);
-        }
-        world.rest(|world| _ = world.at_in_place([0.0013, 0.0007, z]), 2_000);
-        let force = world.record.output.tools[0].force_n.z;
-        let hertz = 4.0 / 3.0 * young / (1.0 - nu * nu) * radius.sqrt() * depth.powf(1.5);
-        ratios.push(force / hertz / bonded_layer(nu, (radius * depth).sqrt() / thickness));
-    }
-    println!("{shape}: slab of {spans} spans at {depths_mm:?} mm: {ratios:.3?} of Hertz");
-    ratios
-}
-
-// Another body, with a closed form; a capsule of no length is a ball whose touch has nothing but the
-// net, and meets 1.2 to 6.6 times the force.
-#[test]
-fn light_touches_of_a_slab_are_near_hertz_whatever_the_net() {
-    for spans in [8, 12, 16] {
-        let depths_mm = [0.25, 0.5, 1.0, 2.0];
-        let bare = slab(
-            "{ capsule = { radius_m = 0.01, half_length_m = 1e-6 } }",
+impl Slab {
+    fn cubes(spans: usize) -> Self {
+        Self {
+            model: "continuum",
             spans,
-            &depths_mm,
-        );
-        let ratios = slab("{ sphere = { radius_m = 0.01 } }", spans, &depths_mm);
-        for (ratio, bare) in ratios.iter().zip(&bare) {
-            assert!((0.95..1.45).contains(ratio), "{spans} spans: {ratios:?}");
-            assert!(
-                ratio - 1.0 < 0.75 * (bare - 1.0),
-                "{spans} spans: {ratios:?}"
-            );
+            layers: spans / 2 + 1,
         }
+    }
+
+    /// Forces of a tool whose lowest point is `low_m` below its reference point, held at these depths, N.
+    fn press(
+        &self,
+        shape: &str,
+        ([x, y], turn): ([f64; 2], Rotation),
+        low_m: f64,
+        depths_m: &[f64],
+    ) -> Vec<f64> {
+        let Self {
+            model,
+            spans,
+            layers,
+        } = self;
+        let inner: Vec<f64> = (1..*spans).map(|k| k as f64 / *spans as f64).collect();
+        let text = format!(
+            "[[body]]\nid = \"slab\"\nsurface = {{ builtin = \"sheet\", net = [4, 4], size = 0.06 }}\n\
+             model = {model:?}\nmaterial = {{ young_pa = 20e3, poisson = 0.3, damping_s = 5e-3 }}\n\
+             lattice = {{ thickness_m = 0.03, layers = {layers}, refine = {{ u = {inner:?}, v = {inner:?} }} }}\n\
+             fixed = [{{ point = [0.0, 0.0, -0.0299], normal = [0.0, 0.0, 1.0] }}]\n\
+             [[tool]]\nid = \"tool\"\nshape = {shape}\n\
+             pose = {{ position = [0.0, 0.0, 0.03] }}\n\
+             coupling = {{ stiffness_n_m = inf, damping_n_s_m = 0.0 }}\n\
+             device = {{ force_max_n = 1e9, ramp_s = 0.0 }}\n"
+        );
+        let mut world = World::new(&text);
+        let at = |z: f64| {
+            let mut pose = pose(0, [x, y, z]);
+            pose.orientation = turn;
+            pose
+        };
+        let mut z = low_m + 1e-4;
+        let mut forces = Vec::new();
+        for depth_m in depths_m {
+            while z > low_m - depth_m {
+                z = (z - 4e-5_f64).max(low_m - depth_m);
+                world.posed(at(z));
+            }
+            world.rest(|world| _ = world.posed_in_place(at(z)), 2_000);
+            let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
+            for _ in 0..100 {
+                let force_n = world.posed(at(z)).tools[0].force_n.z;
+                (low, high) = (low.min(force_n), high.max(force_n));
+            }
+            assert!(
+                high - low < 1e-4 * high,
+                "{shape} trembles: {low} … {high} N"
+            );
+            forces.push(high);
+        }
+        forces
+    }
+}
+
+/// On a node, in the middle of a cell, on an edge, beside it.
+fn places(spans: usize) -> [[f64; 2]; 4] {
+    let span_m = 0.06 / spans as f64;
+    [[0.0, 0.0], [0.5, 0.5], [0.5, 0.0], [0.3, 0.1]].map(|at| at.map(|x| x * span_m))
+}
+
+const BALL: &str = "{ sphere = { radius_m = 0.01 } }";
+
+/// Force over that of an ellipsoid whose radii of curvature have a geometric mean, by Hertz.
+fn of_hertz(force_n: f64, radius_m: f64, depth_m: f64) -> f64 {
+    let near_m = depth_m - LAYER_M_N * force_n;
+    force_n / (4.0 / 3.0 * PLANE_PA * radius_m.sqrt() * near_m.powf(1.5))
+}
+
+// Finite elements of finite strain have 0.994, 0.992, 0.984 at 0.25, 0.5, 1 mm under the ball of 10 mm.
+#[test]
+fn light_touches_of_a_slab_have_hertz_forces_whatever_the_net_the_place_and_the_word() {
+    let depths_m = [0.25e-3, 0.5e-3, 1e-3];
+    for spans in [8, 12, 16] {
+        for at in places(spans) {
+            let slab = Slab::cubes(spans);
+            let press = |shape: &str, low_m: f64| {
+                slab.press(shape, (at, Rotation::identity()), low_m, &depths_m)
+            };
+            let ratios = |forces: &[f64], radius_m: f64| -> Vec<f64> {
+                let each = std::iter::zip(forces, depths_m);
+                each.map(|(force_n, depth_m)| of_hertz(*force_n, radius_m, depth_m))
+                    .collect()
+            };
+            let forces = press(BALL, 0.01);
+            let ball = ratios(&forces, 0.01);
+            println!("{spans} spans at {at:?}: ball {ball:.3?}");
+            assert!(
+                ball.iter().all(|ratio| (0.95..1.02).contains(ratio)),
+                "{ball:?}"
+            );
+            let round = press("{ ellipsoid = { semi_axes_m = [0.01, 0.01, 0.01] } }", 0.01);
+            for (round, ball) in round.iter().zip(&forces) {
+                assert!((round / ball - 1.0).abs() < 0.01, "{round} N, {ball} N");
+            }
+            let small = press(
+                "{ capsule = { radius_m = 0.004, half_length_m = 0.01 } }",
+                0.014,
+            );
+            let small = ratios(&small, 0.004);
+            println!("    capsule of 4 mm, end {small:.3?}");
+            assert!(
+                small.iter().all(|ratio| (0.94..1.03).contains(ratio)),
+                "{small:?}"
+            );
+            // By Hertz, principal radii of 40 and 2.5 mm have 1.158 times the force of a ball of 10 mm.
+            let slim = press(
+                "{ ellipsoid = { semi_axes_m = [0.02, 0.005, 0.01] } }",
+                0.01,
+            );
+            let slim = ratios(&slim[..1], 0.01)[0] / 1.158;
+            println!("    ellipsoid 16 : 1 {slim:.3}");
+            assert!((0.94..1.12).contains(&slim), "{slim}");
+        }
+    }
+}
+
+// Sneddon: F = 2 E* d² tan θ / π.
+#[test]
+fn cones_have_sneddon_forces_and_are_held_without_a_tremble() {
+    for spans in [8, 16] {
+        for at in places(spans) {
+            for angle in [1.2_f64, 1.0, 0.7, 0.5, 0.3] {
+                let shape =
+                    format!("{{ cone = {{ half_angle_rad = {angle:?}, height_m = 0.03 }} }}");
+                let depths_m = [0.5e-3, 1e-3, 2e-3];
+                let forces =
+                    Slab::cubes(spans).press(&shape, (at, Rotation::identity()), 0.0, &depths_m);
+                for (force_n, depth_m) in forces.iter().zip(depths_m) {
+                    let near_m = depth_m - LAYER_M_N * force_n;
+                    let ratio = force_n / (2.0 / PI * PLANE_PA * near_m * near_m * angle.tan());
+                    assert!(
+                        (0.93..1.03).contains(&ratio),
+                        "{angle} rad, {depth_m} m: {ratio}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+// A line of contact has no closed form on a layer: nets of all sizes agree on it, where without what they do not
+// show they have 0.7 … 0.2 N.
+#[test]
+fn a_capsule_that_lies_has_one_force_on_nets_of_all_sizes() {
+    let turn = Rotation::from_axis_angle(&palpate_geometry::math::Vector3::x_axis(), 0.5 * PI);
+    let shape = "{ capsule = { radius_m = 0.005, half_length_m = 0.01 } }";
+    let forces = [8, 12, 16].map(|spans| {
+        let lies = ([0.0; 2], turn);
+        Slab::cubes(spans).press(shape, lies, 0.005, &[0.5e-3])[0]
+    });
+    println!("{forces:.4?} N");
+    let mean = forces.iter().sum::<f64>() / 3.0;
+    assert!(
+        forces
+            .iter()
+            .all(|force_n| (force_n / mean - 1.0).abs() < 0.1),
+        "{forces:?}"
+    );
+}
+
+#[test]
+fn slabs_of_flat_cells_thick_cells_and_smooth_nets_have_hertz_forces() {
+    for (model, spans, layers, least, most) in [
+        ("continuum", 8, 9, 0.97, 1.06),
+        ("continuum", 8, 17, 0.97, 1.12),
+        ("continuum", 16, 4, 0.97, 1.06),
+        ("continuum", 16, 13, 0.95, 1.06),
+        ("net", 8, 5, 0.9, 1.1),
+        ("net", 12, 4, 0.9, 1.12),
+        ("net", 16, 5, 0.9, 1.12),
+    ] {
+        let slab = Slab {
+            model,
+            spans,
+            layers,
+        };
+        let depths_m = [0.25e-3, 0.5e-3, 1e-3];
+        let forces = slab.press(BALL, ([0.0; 2], Rotation::identity()), 0.01, &depths_m);
+        let each = std::iter::zip(&forces, depths_m);
+        let ratios: Vec<f64> = each
+            .map(|(force_n, depth_m)| of_hertz(*force_n, 0.01, depth_m))
+            .collect();
+        println!("{model}, {spans} spans, {layers} layers: {ratios:.3?}");
+        assert!(
+            ratios.iter().all(|ratio| (least..most).contains(ratio)),
+            "{ratios:?}"
+        );
     }
 }
 

@@ -23,7 +23,7 @@ fn touch_m(world: &World) -> f64 {
     outside
 }
 
-/// The teardrop of the specification's table and a ball of 10 mm that nothing holds back.
+/// The teardrop of the specification's table and a ball of 10 mm that nothing holds back, with nothing but the net.
 fn scene(model: &str, poisson: f64, damping_s: f64, iterations: usize, tool: &str) -> String {
     let lattice = match model {
         "net" => "layers = 3, refine = [12, 13]",
@@ -44,6 +44,9 @@ id = "ball"
 shape = {{ capsule = {{ radius_m = 0.01, half_length_m = 1e-7 }} }}
 pose = {{ position = [0.06, 0.003, 0.045] }}
 {tool}
+[[contact]]
+pair = ["ball", "drop"]
+near_field = false
 "#
     )
 }

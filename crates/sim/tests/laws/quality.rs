@@ -5,7 +5,7 @@ use palpate_sim::tick::apply;
 use palpate_sim::tick::quality;
 use palpate_sim::tick::record::{Command, TickOutput};
 
-/// A soft slab on a rigid floor that iterates four times a step, and a ball of 20 mm.
+/// A soft slab on a rigid floor that iterates four times a step, and a ball of 20 mm that presses many rows.
 fn world() -> World {
     World::new(
         r#"
@@ -23,6 +23,9 @@ shape = { sphere = { radius_m = 0.02 } }
 pose = { position = [0.0, 0.0, 0.03] }
 coupling = { stiffness_n_m = 2000.0, damping_n_s_m = 1.0 }
 device = { force_max_n = 8.0 }
+[[contact]]
+pair = ["ball", "sheet"]
+near_field = false
 "#,
     )
 }

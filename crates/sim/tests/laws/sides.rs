@@ -283,7 +283,8 @@ fn plunge(text: &str, depth_m: f64, speed_m_s: f64) -> (f64, f64) {
             .copy_net(&world.scene, 0, now.net_mut().points_mut());
         solver.net_changed();
         let foot = solver.closest(&now, &Point3::new(0.0, 0.0, z));
-        behind_m = behind_m.max(-foot.signed_distance);
+        // What a tip goes in beyond the net is no way through.
+        behind_m = behind_m.max(-foot.signed_distance - world.state.pairs[0].sunk_m);
     }
     world.rest(
         |world| {

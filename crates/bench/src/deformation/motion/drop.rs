@@ -8,8 +8,8 @@ pub(super) const SIDE_M: [f64; 2] = [0.003, 0.045];
 
 /// A teardrop of 20 kPa that is held at its thick end, and a ball.
 ///
-/// The tool is a capsule that is shorter than a micrometre, and so a ball without the indentation that the loop
-/// adds for balls where a net is coarse.
+/// The tool is a capsule that is shorter than a micrometre: a ball whose contact is found as that of any shape. It
+/// does not go in by what the net does not show, as the exact step has nothing of that.
 #[derive(Clone, Copy)]
 pub(super) struct Drop {
     pub model: &'static str,
@@ -70,6 +70,9 @@ shape = {{ capsule = {{ radius_m = {RADIUS_M:?}, half_length_m = 1e-7 }} }}
 pose = {{ position = [0.06, 0.003, 0.045] }}
 coupling = {{ {coupling} }}
 device = {{ {device} }}
+[[contact]]
+pair = ["ball", "drop"]
+near_field = false
 "#,
             setting.text()
         )

@@ -1,14 +1,12 @@
 //! What the solvers do not hold: said with how far off it comes out, and what helps. Each figure is from a measurement
 //! that its comment names.
 
-use super::{FindingKind, Found, mm, short};
+use super::{FindingKind, Found, short};
 use crate::body::Material;
 use crate::scene::model::material_of;
-use crate::scene::spec::{ModelSpec, RefineSpec};
+use crate::scene::spec::ModelSpec;
 use crate::scene::{BodyModel, Scene};
 use crate::solve::rows::Holder;
-use palpate_geometry::math::Point3;
-use palpate_geometry::surface::{ClosestSolver, Surface};
 use std::f64::consts::PI;
 
 /// Poisson's ratio up to which single precision holds the step: at 0.4999 a press at 200 mm/s is off by 10 % of its peak
@@ -27,16 +25,8 @@ const MEETING_M_S: f64 = 1.0;
 /// lower from 20 times its mass on, and at 100 times throws it off.
 const MOST_MASSES: f64 = 10.0;
 
-/// Distance of a net's points over the radius of the patch that a ball presses at a tenth of its radius, from which on
-/// forces are told to be too high; at [`EXCESS`] less.
-const COARSE: f64 = 2.0;
-/// By how much, as a share of that ratio: where the body as a whole gives way (a teardrop, 40 to 110 % too much at 3.8
-/// to 6.6), and where it does not (a slab, 200 and 300 % at 2.2 and 3.5).
-const EXCESS: [f64; 2] = [0.15, 0.9];
-
 pub(super) fn look(scene: &Scene, found: &mut Found) {
     nearly_incompressible(scene, found);
-    coarse_nets(scene, found);
     short_contacts(scene, found);
     unequal_masses(scene, found);
     slow_steps(scene, found);
@@ -86,68 +76,6 @@ fn nearly_incompressible(scene: &Scene, found: &mut Found) {
             }
         }
     }
-}
-
-/// Nets whose points are too far apart for the balls that press them.
-fn coarse_nets(scene: &Scene, found: &mut Found) {
-    let radii =
-        (scene.spec.tools.iter()).filter_map(|tool| tool.shape.shape().refines_to_radius_m());
-    let radius_m = radii.fold(f64::INFINITY, f64::min);
-    for (b, (body, spec)) in scene.bodies.iter().zip(&scene.spec.bodies).enumerate() {
-        if spec.model() != ModelSpec::Net || !radius_m.is_finite() {
-            continue;
-        }
-        let apart_m = match &spec.lattice.refine {
-            RefineSpec::Focus { focus } => focus
-                .iter()
-                .map(|point| apart_at(&body.surface, &(scene.placement(b) * Point3::from(*point))))
-                .fold(0.0, f64::max),
-            _ => apart(&body.surface),
-        };
-        let ratio = apart_m / (0.1_f64.sqrt() * radius_m);
-        if ratio > COARSE {
-            let [bends, firm] = EXCESS.map(|share| (share * ratio * 10.0).round() * 10.0);
-            found.limit(
-                format!("body[{b}].lattice"),
-                format!(
-                    "body {}: the points of its net lie {} apart; a ball of {} that touches it lightly meets too much force, by \
-                     some {bends} % where the body gives way as a whole and up to {firm} % where it does not: use refine = {{ focus = \
-                     […] }} where tools press, or model = \"continuum\"",
-                    body.id,
-                    mm(apart_m),
-                    mm(radius_m)
-                ),
-            );
-        }
-    }
-}
-
-/// Distances of control points to their neighbours in u and v, m: the longer of the two.
-fn gaps(surface: &Surface) -> impl Iterator<Item = (usize, f64)> + '_ {
-    let net = surface.net();
-    let (rows, columns) = (net.rows(), net.columns());
-    let at = move |i: usize, j: usize| {
-        let u = (net.at((i + 1) % rows, j) - net.at(i, j)).norm();
-        let v = (net.at(i, (j + 1) % columns) - net.at(i, j)).norm();
-        (i * columns + j, u.max(v))
-    };
-    // The last of an open direction has no next.
-    (0..rows - 1).flat_map(move |i| (0..columns - 1).map(move |j| at(i, j)))
-}
-
-/// Median distance of a net's points, m.
-fn apart(surface: &Surface) -> f64 {
-    let mut all: Vec<f64> = gaps(surface).map(|(_, gap)| gap).collect();
-    all.sort_by(f64::total_cmp);
-    all.get(all.len() / 2).copied().unwrap_or(0.0)
-}
-
-/// Distance of the points nearest to a place, m.
-fn apart_at(surface: &Surface, place: &Point3) -> f64 {
-    let foot = ClosestSolver::new(surface).closest(surface, place).point;
-    let near = |&(k, _): &(usize, f64)| (surface.net().points()[k] - foot).norm();
-    let nearest = gaps(surface).min_by(|a, b| near(a).total_cmp(&near(b)));
-    nearest.map_or(0.0, |(_, gap)| gap)
 }
 
 /// Modulus of a contact with a rigid thing, Pa, and radius of a ball of the same volume, m.

@@ -8,8 +8,9 @@ use crate::body::{Solid, StepMatrix, StepSettings};
 use crate::scene::parts::{BodyModel, Choice, DeformingBody, samples_per_span};
 use crate::scene::plan::step_us;
 use crate::scene::refine::{self, Refined};
-use crate::scene::spec::{IterationsSpec, MatrixSpec, MethodSpec, RefineSpec};
-use crate::solve::indentation::Resolution;
+use crate::scene::spec::{BodySpec, IterationsSpec, MatrixSpec, MethodSpec, ModelSpec, RefineSpec};
+use crate::solve::indentation::{PATCH, PATCH_OF_SMOOTH, Resolution};
+use palpate_geometry::basis::KnotVector;
 use palpate_geometry::contact::ContactSamples;
 use palpate_geometry::math::{Point3, Vector3};
 use palpate_geometry::surface::Surface;
@@ -82,7 +83,7 @@ pub(super) fn deforming<'b>(
         why,
     };
     let model = DeformingBody {
-        resolution: resolution(&refined, &deformable),
+        resolution: resolution(&refined, &deformable, spec),
         deformable,
         samples,
         sweeps: spec.integrator.contact_sweeps,
@@ -93,7 +94,9 @@ pub(super) fn deforming<'b>(
 }
 
 /// How finely a solid resolves what presses it, at each of its control points.
-fn resolution(surface: &Surface, body: &Deformable) -> Vec<Resolution> {
+fn resolution(surface: &Surface, body: &Deformable, spec: &BodySpec) -> Vec<Resolution> {
+    let smooth = spec.model() == ModelSpec::Net;
+    let thickness_m = spec.lattice.thickness_m.unwrap_or(f64::INFINITY);
     let (u, v) = (surface.knots_u().greville(), surface.knots_v().greville());
     let places = u.iter().flat_map(|&u| v.iter().map(move |&v| (u, v)));
     let at = |(control, (u, v)): (usize, (f64, f64))| {
@@ -102,7 +105,12 @@ fn resolution(surface: &Surface, body: &Deformable) -> Vec<Resolution> {
         if !(grain.volume_m3 > 0.0 && grain.plane_modulus_pa > 0.0) {
             return Some(Resolution::default());
         }
-        let patch_m = libm::cbrt(grain.volume_m3);
+        let span_m = span_m(surface, control);
+        let patch_m = match smooth {
+            true => PATCH_OF_SMOOTH * span_m,
+            // Half a cell is all that a control point of a surface has.
+            false => PATCH * (span_m * libm::cbrt(2.0 * grain.volume_m3)).sqrt(),
+        };
         let mean = surface
             .curvature(u, v)
             .map_or(0.0, |curvature| curvature.mean());
@@ -112,9 +120,31 @@ fn resolution(surface: &Surface, body: &Deformable) -> Vec<Resolution> {
             plane_modulus_pa: grain.plane_modulus_pa,
             patch_m,
             curvature_1_m: mean.max(-most).min(most),
+            // Half of what is there.
+            thin_1_m: 2.0 / thickness_m,
         })
     };
-    places.enumerate().map_while(at).collect()
+    let all: Vec<Resolution> = places.enumerate().map_while(at).collect();
+    // A sheet as thin as a patch is no half-space below it.
+    match all.iter().any(|one| one.patch_m > thickness_m) {
+        true => Vec::new(),
+        false => all,
+    }
+}
+
+/// Mean length of the spans around a control point, m; where one side of them is shorter than a quarter of
+/// the other, at poles, as if it were a quarter.
+fn span_m(surface: &Surface, control: usize) -> f64 {
+    let (ku, kv) = (surface.knots_u(), surface.knots_v());
+    let (i, j) = (control / kv.count(), control % kv.count());
+    let wide = |knots: &KnotVector, i: usize| {
+        let degree = knots.degree();
+        let support = &knots.knots()[i..=i + degree + 1];
+        (support[degree + 1] - support[0]) / (degree + 1) as f64
+    };
+    let frame = surface.frame(ku.greville()[i], kv.greville()[j]);
+    let (u, v) = (frame.du.norm() * wide(ku, i), frame.dv.norm() * wide(kv, j));
+    (u.max(0.25 * v) * v.max(0.25 * u)).sqrt()
 }
 
 /// The body with the method of its integrator, and why that one.

@@ -1,0 +1,143 @@
+//! How a tool stands over a surface around the place where it touches.
+
+use crate::solve::indentation::Profile;
+use palpate_geometry::contact::dispatch::Narrow;
+use palpate_geometry::contact::{Contact, Facing, ToolShape};
+use palpate_geometry::math::{Point3, Pose, Vector3};
+
+/// A point, its normal, and how deep the tool is there, m: heights are looked at from below.
+type Place<'a> = (&'a Point3, &'a Vector3, f64);
+
+/// Of a tool at a pose over a place with a normal, on a patch of this radius; `None` of a point and beside edges.
+pub(super) fn of(
+    shape: &ToolShape,
+    narrow: &Narrow,
+    pose: &Pose,
+    place: Place<'_>,
+    patch_m: f64,
+) -> Option<Profile> {
+    match shape {
+        ToolShape::Point => None,
+        ToolShape::Sphere { radius_m } => (*radius_m > 0.0).then(|| Profile::ball(*radius_m)),
+        ToolShape::Plane { .. } => Some(Profile::default()),
+        ToolShape::Surface(tool) => {
+            let away = |c: &&Contact| (c.on_body - place.0).norm_squared();
+            let contacts = narrow.set.contacts().iter();
+            let nearest = contacts.min_by(|a, b| away(a).total_cmp(&away(b)))?;
+            let [u, v] = nearest.tool_uv?;
+            let bent = tool.surface().curvature(u, v)?;
+            Some(Profile::round((bent.min * bent.max).max(0.0).sqrt()))
+        }
+        ToolShape::Implicit { .. } | ToolShape::Mesh(_) => {
+            // Where an edge is near, which side of it touches changes all.
+            let in_tool = pose.inverse_transform_point(place.0);
+            let edge_m = shape
+                .features()
+                .map(|features| features.edge_away_m(&in_tool));
+            if edge_m.is_some_and(|edge_m| edge_m < EDGE * patch_m) {
+                return None;
+            }
+            over(place, patch_m, |x| {
+                narrow.facing(shape, pose, x, f64::INFINITY)
+            })
+        }
+    }
+}
+
+/// Where heights are taken, relative to the patch: on circles of these radii.
+const RADII: [f64; 3] = [0.25, 0.5, 1.0];
+/// Cosines and sines of the directions; heights of opposite ones are taken together, so that a tilt is none.
+const DIRECTIONS: [(f64, f64); 4] = {
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    [(1.0, 0.0), (half, half), (0.0, 1.0), (-half, half)]
+};
+/// Steepest ascent that counts: a wall is one.
+const STEEPEST: f64 = 8.0;
+/// Times by which heights may grow more from one circle to the next than to that: beside a tool is a wall that says
+/// nothing of how it is rounded.
+const STEEPER: f64 = 1.5;
+/// Least cosine between the tool's normal and the surface's: beside it, what is above is a wall.
+const UPRIGHT: f64 = 0.1;
+/// Looks along a normal: distances of tools are of first order.
+const LOOKS: usize = 3;
+/// Half the length of a place, relative to the patch: what is longer has several.
+const LONGEST: f64 = 2.0;
+/// 4 √(c₁ c₂) / (√c₁ + √c₂)² of the slimmest ellipsoid that counts as one.
+const SLIM: f64 = 0.64;
+/// An edge nearer than this, relative to the patch, is near.
+const EDGE: f64 = 2.0;
+/// Lower than this, relative to the patch, is flat.
+const FLAT: f64 = 1e-6;
+
+/// Heights over the tangent plane at a place, with a normal that leads to the tool, on a patch of this
+/// radius; `None` where the tool is not there.
+///
+/// The axisymmetric profile has level lines that hold the same areas: at each radius, those of the ellipse
+/// through the heights.
+fn over(
+    (place, normal, deep_m): Place<'_>,
+    patch_m: f64,
+    look: impl Fn(&Point3) -> Option<Facing>,
+) -> Option<Profile> {
+    // Beside a wall there is none.
+    let height_m = |from: Point3| -> Option<f64> {
+        let mut up_m = -deep_m;
+        for _ in 0..LOOKS {
+            let seen = look(&(from + normal * up_m))?;
+            let cos = seen.normal.dot(normal);
+            if cos < UPRIGHT {
+                return None;
+            }
+            up_m += seen.gap_m / cos;
+        }
+        Some(up_m)
+    };
+    let lowest_m = height_m(*place)?;
+    if !(lowest_m < RADII[0] * patch_m) {
+        return None;
+    }
+    let (x, y) = across(normal);
+    let mut points = [(0.0, 0.0); RADII.len()];
+    let mut last_m = FLAT * patch_m;
+    let mut growth = f64::INFINITY;
+    for (point, share) in points.iter_mut().zip(RADII) {
+        let r = share * patch_m;
+        let most_m = lowest_m + STEEPEST * r;
+        let mut heights = [0.0; DIRECTIONS.len()];
+        for (height, (cos, sin)) in heights.iter_mut().zip(DIRECTIONS) {
+            let way = (x * cos + y * sin) * r;
+            let [there, back] = [place + way, place - way].map(height_m);
+            let [there, back] = [there, back].map(|up_m| up_m.unwrap_or(most_m).min(most_m));
+            *height = (0.5 * (there + back) - lowest_m).max(0.0);
+        }
+        let mean = 0.25 * heights.iter().sum::<f64>();
+        let more = 0.5 * libm::hypot(heights[0] - heights[2], heights[1] - heights[3]);
+        let narrow = (share / LONGEST).powi(4);
+        let high = mean + more;
+        let low = (mean - more).max(high * narrow);
+        // Of ellipsoids it has Hertz' forces within 0.5 % up to radii of 16 : 1.
+        let area = (high * low).sqrt();
+        let long = 4.0 * area / (high.sqrt() + low.sqrt()).powi(2).max(f64::MIN_POSITIVE);
+        let long = long.max(SLIM);
+        let level_m = (area * libm::cbrt(long * long)).clamp(last_m, STEEPER * growth * last_m);
+        *point = (r, level_m);
+        growth = if share > RADII[0] {
+            level_m / last_m
+        } else {
+            growth
+        };
+        last_m = level_m;
+    }
+    Some(Profile::through(&points))
+}
+
+/// Two directions across a normal, which turn with it but where it is −z.
+fn across(n: &Vector3) -> (Vector3, Vector3) {
+    let s = if n.z < 0.0 { -1.0 } else { 1.0 };
+    let a = -1.0 / (s + n.z);
+    let b = n.x * n.y * a;
+    (
+        Vector3::new(1.0 + s * n.x * n.x * a, s * b, -s * n.x),
+        Vector3::new(b, s + n.y * n.y * a, -n.y),
+    )
+}
