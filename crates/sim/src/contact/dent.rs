@@ -2,7 +2,7 @@
 
 use super::profile;
 use super::search::{PairState, Search};
-use crate::solve::indentation::{EASE, Indentation, Resolution, Touch};
+use crate::solve::indentation::{EASE, Resolution, Touch};
 use crate::solve::rows::{MAX_ROWS_PER_PAIR, Row, RowSet};
 use crate::solve::solver::Solver;
 use palpate_geometry::math::{Point3, Pose, Vector3};
