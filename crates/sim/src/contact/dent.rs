@@ -60,7 +60,7 @@ pub(super) fn touch(search: &mut Search<'_>, p: usize, t: usize, pose: &Pose) {
     let Some((mut place, point, normal)) = place.mean() else {
         return;
     };
-    if !(place.patch_m > 0.0) {
+    if place.patch_m <= 0.0 {
         return;
     }
     // Where many rows push, which of them do changes with how far the tool goes in.

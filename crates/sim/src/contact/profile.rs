@@ -2,7 +2,7 @@
 
 use crate::solve::indentation::Profile;
 use palpate_geometry::contact::dispatch::Narrow;
-use palpate_geometry::contact::{Contact, Facing, ToolShape};
+use palpate_geometry::contact::{Contact, Edge, Facing, ToolShape};
 use palpate_geometry::math::{Point3, Pose, Vector3};
 
 /// A point, its normal, and how deep the tool is there, m: heights are looked at from below.
@@ -31,10 +31,9 @@ pub(super) fn of(
         ToolShape::Implicit { .. } | ToolShape::Mesh(_) => {
             // Where an edge is near, which side of it touches changes all.
             let in_tool = pose.inverse_transform_point(place.0);
-            let edge_m = shape
-                .features()
-                .map(|features| features.edge_away_m(&in_tool));
-            if edge_m.is_some_and(|edge_m| edge_m < EDGE * patch_m) {
+            let edges = shape.features().map_or(&[][..], |features| &features.edges);
+            let near_m = EDGE * patch_m;
+            if edges.iter().any(|edge| away_m(edge, &in_tool) < near_m) {
                 return None;
             }
             over(place, patch_m, |x| {
@@ -43,6 +42,25 @@ pub(super) fn of(
         }
     }
 }
+
+/// Distance of a point to an edge, m; to a curved one that of its nearest of many points.
+fn away_m(edge: &Edge, p: &Point3) -> f64 {
+    match edge {
+        Edge::Segment { ends: [a, b], .. } => {
+            let way = b - a;
+            let t = ((p - a).dot(&way) / way.norm_squared()).clamp(0.0, 1.0);
+            (a + way * t - p).norm()
+        }
+        Edge::Circle { z, radius_m } => libm::hypot(libm::hypot(p.x, p.y) - radius_m, p.z - z),
+        Edge::Curve(_) => {
+            let away = |k: usize| (edge.at(k as f64 / ALONG as f64).0 - p).norm();
+            (0..=ALONG).map(away).fold(f64::INFINITY, f64::min)
+        }
+    }
+}
+
+/// Points along a curved edge.
+const ALONG: usize = 64;
 
 /// Where heights are taken, relative to the patch: on circles of these radii.
 const RADII: [f64; 3] = [0.25, 0.5, 1.0];
@@ -93,7 +111,7 @@ fn over(
         Some(up_m)
     };
     let lowest_m = height_m(*place)?;
-    if !(lowest_m < RADII[0] * patch_m) {
+    if lowest_m.is_nan() || lowest_m >= RADII[0] * patch_m {
         return None;
     }
     let (x, y) = across(normal);

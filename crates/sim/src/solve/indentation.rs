@@ -195,7 +195,7 @@ fn newton(from: f64, f: impl Fn(f64) -> f64, slope: impl Fn(f64) -> f64) -> f64 
     for _ in 0..NEWTON {
         let step = f(a) / slope(a);
         a -= step;
-        if !(step > 1e-12 * a) {
+        if step.is_nan() || step <= 1e-12 * a {
             break;
         }
     }
@@ -294,7 +294,7 @@ impl Touch {
         } = self;
         let full_m = profile.patch_of_depth_m(*most_m, place.patch_m);
         let over = share * force_n / (2.0 * place.plane_modulus_pa) / profile.load_m2(full_m);
-        if !(over > 1.0) {
+        if over.is_nan() || over <= 1.0 {
             return 0.0;
         }
         let past = |far: f64| far.min(2.0) - 1.0;

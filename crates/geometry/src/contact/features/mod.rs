@@ -50,12 +50,6 @@ impl Features {
         all.min_by(|a, b| away(a).total_cmp(&away(b))).unwrap_or(*p)
     }
 
-    /// Distance of a point to the nearest edge, m; infinite where there is none.
-    pub fn edge_away_m(&self, p: &Point3) -> f64 {
-        let away = |edge: &Edge| (edge.nearest(p) - p).norm();
-        self.edges.iter().map(away).fold(f64::INFINITY, f64::min)
-    }
-
     /// The number of the corner at a point of a solid of this size, m; a new one where there is none yet.
     pub(super) fn corner(&mut self, p: Point3, size_m: f64) -> usize {
         let near = |q: &Point3| (q - p).norm() <= SAME * size_m;
