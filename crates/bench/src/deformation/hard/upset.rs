@@ -161,7 +161,7 @@ pub(super) fn jumps(kind: Kind) -> Result<Run, String> {
     run.between(
         "largest force on the way",
         pressed,
-        [10.0, f64::INFINITY],
+        [1.0, f64::INFINITY],
         "N",
     );
     run.at([0.0, 0.0, 0.3]);
