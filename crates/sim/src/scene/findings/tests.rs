@@ -241,20 +241,6 @@ fn a_body_too_nearly_incompressible_is_not_to_run() {
 }
 
 #[test]
-fn a_net_too_coarse_for_its_ball_is_told_with_how_far_off_and_a_fine_one_is_not() {
-    let net = slab("model = \"continuum\"", "model = \"net\"");
-    let told = one(&net, "body[0].lattice");
-    assert!(
-        told.what.contains("100 %") || told.what.contains(" % "),
-        "{told:?}"
-    );
-    let large = net
-        .replace("radius_m = 0.01", "radius_m = 0.07")
-        .replace("0.03] }", "0.09] }");
-    assert_eq!(findings(&large), []);
-}
-
-#[test]
 fn contacts_of_a_few_ticks_are_told_with_the_rate_that_gives_them_ten() {
     let stiff = ball("young_pa = 20e3", "young_pa = 20e6");
     let told = one(&stiff, "body[1].material");
