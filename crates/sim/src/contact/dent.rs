@@ -2,9 +2,10 @@
 
 use super::profile;
 use super::search::{PairState, Search};
-use crate::solve::indentation::{EASE, Resolution, Touch};
+use crate::solve::indentation::{EASE, Indentation, Resolution, Touch};
+use crate::solve::matrix::ContactMatrix;
 use crate::solve::rows::{MAX_ROWS_PER_PAIR, Row, RowSet};
-use crate::solve::solver::Solver;
+use crate::solve::solver::{Solver, Touching};
 use palpate_geometry::math::{Point3, Pose, Vector3};
 
 /// Finds where a pair whose rows stand touches.
@@ -32,10 +33,10 @@ pub(super) fn touch(search: &mut Search<'_>, p: usize, t: usize, pose: &Pose) {
         .filter(|old| !old.id.key.is_anchor())
         .peekable();
     let (mut carried_n, mut force_n, mut deep_m) = (0.0, 0.0, 0.0_f64);
-    let mut pushes = [(Point3::origin(), 0.0); MAX_ROWS_PER_PAIR];
+    let mut forces = [(Point3::origin(), 0.0); MAX_ROWS_PER_PAIR];
     let mut count = 0;
     let (mut carrying, mut touching) = (Place::default(), Place::default());
-    for row in rows.of_pair().iter().filter(|row| !row.id.key.is_anchor()) {
+    for row in rows.of_pair().iter().filter(|row| pushes(row)) {
         // Both lists are ordered by it.
         while let Some(old) = warm.next_if(|old| old.id < row.id) {
             force_n += old.force_n;
@@ -48,8 +49,8 @@ pub(super) fn touch(search: &mut Search<'_>, p: usize, t: usize, pose: &Pose) {
             force_n += old.force_n;
             carried_n += old.force_n;
             carrying.add(old.force_n, &resolution, row);
-            if old.force_n > 0.0 && count < pushes.len() {
-                pushes[count] = (row.point, old.force_n);
+            if old.force_n > 0.0 && count < forces.len() {
+                forces[count] = (row.point, old.force_n);
                 count += 1;
             }
         }
@@ -82,27 +83,34 @@ pub(super) fn touch(search: &mut Search<'_>, p: usize, t: usize, pose: &Pose) {
         place,
         normal,
         force_n,
-        share: together(&pushes[..count], TOGETHER * place.patch_m),
+        share: together(&forces[..count], place.patch_m),
+        beside_n: 0.0,
+        point,
         less_m: pairs[p].less_m,
     };
 }
 
 /// Which share of pushes is in one place, of this radius: 1 where all are, one half of two that are far
 /// from each other.
-fn together(pushes: &[(Point3, f64)], radius_m: f64) -> f64 {
+fn together(pushes: &[(Point3, f64)], patch_m: f64) -> f64 {
     let (mut near, mut all) = (0.0, 0.0);
     for (k, (point, force_n)) in pushes.iter().enumerate() {
         near += force_n * force_n;
         all += force_n;
         for (other, other_n) in &pushes[..k] {
-            let far = (point - other).norm_squared() / (radius_m * radius_m);
-            near += 2.0 * force_n * other_n / ((1.0 + far) * (1.0 + far));
+            near += 2.0 * force_n * other_n * beside(point, other, patch_m);
         }
     }
     if all > 0.0 { near / (all * all) } else { 1.0 }
 }
 
-/// Pushes this far from each other, relative to the patch, are half in one place.
+/// How much of a push is in the place of another: 1 of one at the same point, 0 far away.
+fn beside(a: &Point3, b: &Point3, patch_m: f64) -> f64 {
+    let far = (a - b).norm_squared() / (TOGETHER * patch_m).powi(2);
+    1.0 / ((1.0 + far) * (1.0 + far))
+}
+
+/// Pushes this far from each other, relative to the patch, are a quarter in one place.
 const TOGETHER: f64 = 2.5;
 
 /// Finds how far tools go in, once it is known how the rows give way, and lets their gaps and the matrix know.
@@ -111,64 +119,113 @@ pub(crate) fn settle(rows: &mut RowSet, solver: &mut Solver) {
         matrix,
         touches,
         indentations,
+        touching,
         ..
     } = solver;
+    let rows = &mut rows.rows;
     let mut start = 0;
-    for of_pair in rows.rows.chunk_by_mut(|a, b| a.id.pair == b.id.pair) {
-        let first = start;
-        start += of_pair.len();
+    for of_pair in rows.chunk_by(|a, b| a.id.pair == b.id.pair) {
+        let own = start..start + of_pair.len();
+        start = own.end;
         let p = of_pair[0].id.pair as usize;
-        let pushing = (of_pair.iter().enumerate()).filter(|(_, row)| !row.id.key.is_anchor());
-        let deepest = pushing.min_by(|(_, a), (_, b)| a.gap_m.total_cmp(&b.gap_m));
-        let Some((i, row)) = deepest.filter(|_| touches[p].place.patch_m > 0.0) else {
+        if touches[p].place.patch_m > 0.0 {
+            touching.push((p, own));
+        }
+    }
+    for one in touching.iter() {
+        let of =
+            |other: &Touching| shared(touches, rows, one, other) * touches[other.0].in_place_n();
+        touches[one.0].beside_n = touching.iter().map(of).sum();
+    }
+    for (p, own) in touching.iter() {
+        let pushing = own.clone().filter(|&i| pushes(&rows[i]));
+        let Some(deepest) = pushing.min_by(|&i, &j| rows[i].gap_m.total_cmp(&rows[j].gap_m)) else {
             continue;
         };
-        let own = matrix.along(first + i);
-        let dent = touches[p].indentation(-row.gap_m, own);
-        for row in of_pair.iter_mut().filter(|row| !row.id.key.is_anchor()) {
+        let dent = touches[*p].indentation(-rows[deepest].gap_m, matrix.along(deepest));
+        indentations[*p] = dent;
+        for row in rows[own.clone()].iter_mut().filter(|row| pushes(row)) {
             row.gap_m += dent.offset_m * row.normal.dot(&dent.normal);
         }
-        indentations[p] = dent;
         if dent.slope_m_n == 0.0 {
             continue;
         }
         let block = dent.normal * dent.normal.transpose() * dent.slope_m_n;
-        let pushes = |i: &usize| !of_pair[*i].id.key.is_anchor();
-        for i in (0..of_pair.len()).filter(pushes) {
-            for j in (0..=i).filter(pushes) {
-                matrix.add(first + i, first + j, &block);
+        for i in own.clone().filter(|&i| pushes(&rows[i])) {
+            for j in (own.start..=i).filter(|&j| pushes(&rows[j])) {
+                matrix.add(i, j, &block);
             }
+        }
+    }
+    for (k, one) in touching.iter().enumerate() {
+        for other in &touching[..k] {
+            couple(rows, matrix, (touches, indentations), one, other);
         }
     }
 }
 
+/// What the forces of two tools beside each other make of each other's way in, beyond those of the last tick.
+fn couple(
+    rows: &mut [Row],
+    matrix: &mut ContactMatrix,
+    (touches, indentations): (&[Touch], &[Indentation]),
+    one: &Touching,
+    other: &Touching,
+) {
+    let [a, b] = [one, other].map(|(p, _)| &indentations[*p]);
+    let slope_m_n = shared(touches, rows, one, other) * (a.slope_m_n * b.slope_m_n).sqrt();
+    if slope_m_n == 0.0 {
+        return;
+    }
+    for (mine, normal, theirs) in [(one, a.normal, other), (other, b.normal, one)] {
+        let moved_m = slope_m_n * touches[theirs.0].force_n;
+        for row in rows[mine.1.clone()].iter_mut().filter(|row| pushes(row)) {
+            row.gap_m -= moved_m * row.normal.dot(&normal);
+        }
+    }
+    let block = a.normal * b.normal.transpose() * slope_m_n;
+    for i in one.1.clone().filter(|&i| pushes(&rows[i])) {
+        for j in other.1.clone().filter(|&j| pushes(&rows[j])) {
+            matrix.add(i, j, &block);
+        }
+    }
+}
+
+/// How much of the push of one pair is in the place of another.
+fn shared(touches: &[Touch], rows: &[Row], (p, of_p): &Touching, (q, of_q): &Touching) -> f64 {
+    if p == q || rows[of_p.start].body != rows[of_q.start].body {
+        return 0.0;
+    }
+    let (one, other) = (&touches[*p], &touches[*q]);
+    let patch_m = one.place.patch_m.min(other.place.patch_m);
+    one.normal.dot(&other.normal).max(0.0) * beside(&one.point, &other.point, patch_m)
+}
+
+/// A grip's anchor has no patch.
+fn pushes(row: &Row) -> bool {
+    !row.id.key.is_anchor()
+}
+
 /// Keeps how far tools went in.
 pub(crate) fn remember(rows: &RowSet, solver: &Solver, pairs: &mut [PairState]) {
-    let own = |i: usize| {
-        let row = &rows.rows[i];
-        (!row.id.key.is_anchor()).then(|| solver.force_n(i).dot(&row.normal))
-    };
-    let mut start = 0;
-    let of_pairs = rows.rows.chunk_by(|a, b| a.id.pair == b.id.pair);
-    let mut of_pairs = of_pairs.peekable();
-    for (p, pair) in pairs.iter_mut().enumerate() {
-        let rows = of_pairs
-            .next_if(|rows| rows[0].id.pair as usize == p)
-            .unwrap_or(&[]);
-        let each = start..start + rows.len();
-        start += rows.len();
-        let (touch, dent) = (&solver.touches[p], &solver.indentations[p]);
+    for (pair, touch) in pairs.iter_mut().zip(&solver.touches) {
+        (pair.sunk_m, pair.patch_m) = (0.0, touch.place.patch_m);
+        if pair.patch_m == 0.0 {
+            pair.less_m = 0.0;
+        }
+    }
+    for (p, own) in &solver.touching {
+        let (pair, dent) = (&mut pairs[*p], &solver.indentations[*p]);
         let along = |i: usize| {
-            own(i).map(|force_n| force_n * rows[i - each.start].normal.dot(&dent.normal))
+            solver.force_n(i).dot(&rows.rows[i].normal) * rows.rows[i].normal.dot(&dent.normal)
         };
-        let force_n: f64 = each.clone().filter_map(along).sum();
-        pair.patch_m = touch.place.patch_m;
+        let force_n: f64 = own
+            .clone()
+            .filter(|&i| pushes(&rows.rows[i]))
+            .map(along)
+            .sum();
         pair.sunk_m = dent.offset_m + dent.slope_m_n * force_n;
-        pair.less_m = if pair.patch_m > 0.0 {
-            pair.less_m + EASE * (touch.less_under_m(force_n) - pair.less_m)
-        } else {
-            0.0
-        };
+        pair.less_m += EASE * (solver.touches[*p].less_under_m(force_n) - pair.less_m);
     }
 }
 

@@ -8,7 +8,7 @@ use palpate_geometry::math::{Point3, Pose, Vector3};
 /// A point, its normal, and how deep the tool is there, m: heights are looked at from below.
 type Place<'a> = (&'a Point3, &'a Vector3, f64);
 
-/// Of a tool at a pose over a place with a normal, on a patch of this radius; `None` of a point and beside edges.
+/// Of a tool at a pose over a place with a normal, on a patch of this radius; `None` of points, planes and beside edges.
 pub(super) fn of(
     shape: &ToolShape,
     narrow: &Narrow,
@@ -17,9 +17,9 @@ pub(super) fn of(
     patch_m: f64,
 ) -> Option<Profile> {
     match shape {
-        ToolShape::Point => None,
+        // A half-space is a floor for most: what falls on it comes back as the net alone says.
+        ToolShape::Point | ToolShape::Plane { .. } => None,
         ToolShape::Sphere { radius_m } => (*radius_m > 0.0).then(|| Profile::ball(*radius_m)),
-        ToolShape::Plane { .. } => Some(Profile::default()),
         ToolShape::Surface(tool) => {
             let away = |c: &&Contact| (c.on_body - place.0).norm_squared();
             let contacts = narrow.set.contacts().iter();
@@ -158,4 +158,86 @@ fn across(n: &Vector3) -> (Vector3, Vector3) {
         Vector3::new(1.0 + s * n.x * n.x * a, s * b, -s * n.x),
         Vector3::new(b, s + n.y * n.y * a, -n.y),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use palpate_geometry::contact::exact::ball::signed_gap;
+
+    const PATCH_M: f64 = 3e-3;
+
+    fn near(found: f64, expected: f64, share: f64, what: &str) {
+        assert!(
+            (found / expected - 1.0).abs() < share,
+            "{what}: {found}, not {expected}"
+        );
+    }
+
+    // Up to terms of r⁶, which are (r / R)⁴ of the first.
+    #[test]
+    fn a_ball_has_its_own_wherever_it_is_seen_from() {
+        for (aside, deep_m) in [(0.0, 0.0), (3e-4, 0.0), (0.0, 2e-3), (5e-4, 1e-3)] {
+            let centre = Point3::new(aside, 0.0, 0.01 - deep_m);
+            let look = |x: &Point3| {
+                let (gap_m, normal) = signed_gap(&centre, 0.01, x);
+                Some(Facing {
+                    gap_m,
+                    normal,
+                    uv: [0.0; 2],
+                })
+            };
+            let found = over((&Point3::origin(), &Vector3::z(), deep_m), PATCH_M, look).unwrap();
+            near(found.bend_1_m, 50.0, 0.02, "half the curvature");
+            assert!(found.slope < 1e-3, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn a_cone_has_its_slope_and_a_slim_paraboloid_the_force_of_hertz() {
+        // Planes and paraboloids over z = 0, exact in their normals.
+        let seen = |height_m: f64, slope: Vector3| {
+            let normal = (Vector3::z() - slope).normalize();
+            Some(Facing {
+                gap_m: height_m * normal.z,
+                normal,
+                uv: [0.0; 2],
+            })
+        };
+        let at = (&Point3::origin(), &Vector3::z(), 0.0);
+        let cone = |x: &Point3| {
+            let r = libm::hypot(x.x, x.y);
+            let out = Vector3::new(x.x, x.y, 0.0) / r.max(1e-12);
+            seen(0.5 * r - x.z, out * 0.5)
+        };
+        near(over(at, PATCH_M, cone).unwrap().slope, 0.5, 1e-6, "slope");
+        let slim = |x: &Point3| {
+            let [a, b] = [12.5, 200.0];
+            seen(
+                a * x.x * x.x + b * x.y * x.y - x.z,
+                Vector3::new(2.0 * a * x.x, 2.0 * b * x.y, 0.0),
+            )
+        };
+        // Radii of 40 and 2.5 mm: 1.158 times the force of a ball of 10 mm.
+        near(
+            over(at, PATCH_M, slim).unwrap().bend_1_m,
+            50.0 / (1.158 * 1.158),
+            0.01,
+            "slim",
+        );
+    }
+
+    #[test]
+    fn what_is_not_there_has_none() {
+        let away = |_: &Point3| {
+            Some(Facing {
+                gap_m: 1.0,
+                normal: Vector3::z(),
+                uv: [0.0; 2],
+            })
+        };
+        let at = (&Point3::origin(), &Vector3::z(), 0.0);
+        assert_eq!(over(at, PATCH_M, away), None);
+        assert_eq!(over(at, PATCH_M, |_: &Point3| None), None);
+    }
 }

@@ -22,19 +22,20 @@
 //!
 //! Source: I. N. Sneddon, Int. J. Engng. Sci. 3 (1965) 47, for the half-space.
 
-use palpate_geometry::math::{Matrix3, Vector3};
+use palpate_geometry::math::{Matrix3, Point3, Vector3};
 use std::f64::consts::PI;
 
 /// a₀ over the side of a cube of the net.
 pub const PATCH: f64 = 6.0 * PI / 25.0 * 1.06;
 /// a₀ over the spans of a net whose control points are coordinates: it shows waves up to the length of two
-/// spans as they are.
+/// spans as they are. Measured: slabs of 8 to 16 spans then have 0.9 to 1.1 times Hertz' force.
 pub const PATCH_OF_SMOOTH: f64 = 0.6 * PATCH;
 /// Sum of the squares of a place's weights at a control point of a cubic net.
 const AT_NODE: f64 = 0.25;
-/// The same in the middle of a cell.
+/// That sum in the middle of a cell.
 const IN_CELL: f64 = 0.2117;
-/// How much more the net gives way where these are larger.
+/// How much more the net gives way where these are larger. Measured: without it a ball on slabs of 8 and 16 spans
+/// has 4 and 10 % more force in a cell than on a node, with it 1 %.
 const FOCUS: f64 = 0.6;
 /// Patches smaller than this, relative to a₀, count as if they were so large: below it, force and depth
 /// are proportional, so that first touch has a finite stiffness.
@@ -42,7 +43,8 @@ const LEAST_PATCH: f64 = 0.005;
 
 /// What would change with forces by more than what undoes that change comes by this share of it in a tick.
 pub const EASE: f64 = 0.1;
-/// By how much of itself a round tool's part is less where the patch is twice the net's.
+/// By how much of itself a round tool's part is less where the patch is twice the net's. Of the response above; a ball
+/// pressed 2 mm into a slab of 16 spans has 3 % more force for it.
 const LESS: f64 = 0.25;
 
 /// How finely a solid resolves what presses it at a place of its surface.
@@ -208,7 +210,7 @@ const NEWTON: usize = 20;
 /// δ linear about a force: `offset_m + slope_m_n F`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Indentation {
-    /// Along which the ball goes in, out of the body.
+    /// Along which the tool goes in, out of the body.
     pub normal: Vector3,
     /// m.
     pub offset_m: f64,
@@ -217,7 +219,7 @@ pub struct Indentation {
 }
 
 impl Indentation {
-    /// Of a tool about a force, N, along a normal.
+    /// Of a tool about its force, N, with those of others beside it as they were.
     pub fn of(touch: &Touch, force_n: f64) -> Self {
         let Touch {
             profile,
@@ -225,10 +227,12 @@ impl Indentation {
             normal,
             most_m,
             share,
+            beside_n,
             less_m,
             ..
         } = touch;
         let force_n = force_n * share;
+        let all_n = force_n + beside_n;
         let (patch_m, twice_pa) = (place.patch_m, 2.0 * place.plane_modulus_pa);
         let full_m = profile.patch_of_depth_m(*most_m, patch_m);
         let full_m2 = profile.load_m2(full_m);
@@ -237,9 +241,10 @@ impl Indentation {
         }
         let missing_m = |a: f64| profile.depth_m(a) - profile.load_m2(a) / patch_m;
         let least_m = LEAST_PATCH * full_m;
-        let (load_m2, least_m2) = (force_n.max(0.0) / twice_pa, profile.load_m2(least_m));
+        let (load_m2, least_m2) = (all_n.max(0.0) / twice_pa, profile.load_m2(least_m));
         let (offset_m, slope_m_n) = if load_m2 <= least_m2 {
-            (0.0, missing_m(least_m) / (twice_pa * least_m2))
+            let slope = missing_m(least_m) / (twice_pa * least_m2);
+            (slope * beside_n, slope)
         } else if load_m2 < full_m2 {
             let a = profile.patch_of_load_m(load_m2, full_m);
             let slope = (1.0 / a - 1.0 / patch_m) / twice_pa;
@@ -265,14 +270,18 @@ pub struct Touch {
     pub profile: Profile,
     /// It goes in by no more, m.
     pub most_m: f64,
-    /// Where it touches.
+    /// What the body is where it touches.
     pub place: Resolution,
+    /// Where it touches, m.
+    pub point: Point3,
     /// Out of the body.
     pub normal: Vector3,
     /// All that the body bore of it in the last tick, N.
     pub force_n: f64,
     /// The share of it in one place.
     pub share: f64,
+    /// What other tools pushed there, N.
+    pub beside_n: f64,
     /// By how much less it goes in where the net shows more than one place, m.
     pub less_m: f64,
 }
@@ -281,6 +290,11 @@ pub struct Touch {
 const HIT: f64 = 4.0;
 
 impl Touch {
+    /// What it pushed in one place in the last tick, N.
+    pub fn in_place_n(&self) -> f64 {
+        self.share * self.force_n
+    }
+
     /// What is less than [`Self::less_m`] comes to under a force, m.
     ///
     /// It follows forces by and by: a step of the force would change a tip's part by more than what undoes that step.
@@ -290,10 +304,12 @@ impl Touch {
             place,
             most_m,
             share,
+            beside_n,
             ..
         } = self;
         let full_m = profile.patch_of_depth_m(*most_m, place.patch_m);
-        let over = share * force_n / (2.0 * place.plane_modulus_pa) / profile.load_m2(full_m);
+        let over =
+            (share * force_n + beside_n) / (2.0 * place.plane_modulus_pa) / profile.load_m2(full_m);
         if over.is_nan() || over <= 1.0 {
             return 0.0;
         }

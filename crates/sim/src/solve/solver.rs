@@ -8,6 +8,7 @@ use super::matrix::ContactMatrix;
 use super::problem::ContactProblem;
 use super::sharing::Share;
 use palpate_geometry::math::Vector3;
+use std::ops::Range;
 
 /// Contact forces of the rows of a tick, and what finds them.
 #[derive(Debug)]
@@ -24,11 +25,16 @@ pub struct Solver {
     pub barriers: Vec<Barrier>,
     /// Of one body after the other.
     pub delassus: Delassus,
-    /// By pair: a ball that touches a solid.
+    /// By pair: a tool that touches a solid.
     pub touches: Vec<Touch>,
     /// By pair: how far it goes in beyond what the solid's net shows.
     pub indentations: Vec<Indentation>,
+    /// Pairs that touch so, and their rows.
+    pub touching: Vec<Touching>,
 }
+
+/// A pair that touches, by its number, and its rows.
+pub type Touching = (usize, Range<usize>);
 
 impl Solver {
     /// Force of a row on its holder, N.

@@ -43,6 +43,7 @@ impl Balance<'_> {
     pub(crate) fn solve(&mut self) {
         let scene = self.scene;
         self.solver.problem.clear();
+        self.solver.touching.clear();
         self.solver.indentations.fill(Indentation::default());
         let rows = self.rows.rows.iter();
         let rows = rows.map(|row| (row.normal, row.law.acts_across()));

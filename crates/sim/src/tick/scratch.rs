@@ -118,6 +118,7 @@ impl Scene {
                 delassus: Delassus::new(2 * most_rows, width, surface),
                 touches: vec![Touch::default(); self.pairs.len()],
                 indentations: vec![Indentation::default(); self.pairs.len()],
+                touching: Vec::with_capacity(self.pairs.len()),
             },
             shares: vec![1.0; self.bodies.len()],
             errors: Errors::new(most_rows, directions, self.tools.len()),

@@ -50,13 +50,11 @@ fn a_falling_ball_is_met_where_it_comes_to_touch() {
             shortened += 1;
             continue;
         }
-        // Beyond what the net shows the floor goes in.
-        let sunk_m = world.state.pairs[0].sunk_m;
         (world.state).copy_net(&world.scene, 0, surface.net_mut().points_mut());
         for (deepest_m, [us, vs]) in deepest_m.iter_mut().zip(&grids) {
             for u in us {
                 for v in vs {
-                    *deepest_m = deepest_m.max(-surface.point(*u, *v).z - sunk_m);
+                    *deepest_m = deepest_m.max(-surface.point(*u, *v).z);
                 }
             }
         }

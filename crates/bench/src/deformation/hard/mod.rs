@@ -93,26 +93,6 @@ const CASES: &[Case] = &[
 #[cfg(test)]
 const KNOWN: &[(&str, &str)] = &[
     (
-        "hard/two-tools/lattice/implicit",
-        "two balls in one place each dent the solid as if the other were not there",
-    ),
-    (
-        "hard/two-tools/continuum/implicit",
-        "two balls in one place each dent the solid as if the other were not there",
-    ),
-    (
-        "hard/two-tools/lattice/explicit",
-        "two balls in one place each dent the solid as if the other were not there",
-    ),
-    (
-        "hard/two-tools/continuum/explicit",
-        "two balls in one place each dent the solid as if the other were not there",
-    ),
-    (
-        "hard/two-tools/net/implicit",
-        "two balls in one place each dent the solid as if the other were not there",
-    ),
-    (
         "hard/hundred-bodies/net/implicit",
         "slabs that a tool has left creep at more than 0.1 µm/s for seconds, so that nine of a hundred are awake",
     ),

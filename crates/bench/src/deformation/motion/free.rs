@@ -35,7 +35,7 @@ const TICKS: usize = 450;
 /// Places of the ball along both parameters where the exact step asks for contact.
 const PLACES: [usize; 2] = [120, 120];
 
-/// A gel ball above a plane that a tool is; nothing goes in beyond the net, as in the exact step.
+/// A gel ball above a plane that a tool is.
 fn ball(setting: Setting) -> String {
     format!(
         r#"
@@ -57,9 +57,6 @@ shape = {{ plane = {{ normal = [0.0, 0.0, 1.0] }} }}
 pose = {{ position = [0.0, 0.0, 0.0] }}
 coupling = {{ stiffness_n_m = inf, damping_n_s_m = 0.0 }}
 device = {{ force_max_n = 1e9, ramp_s = 0.0 }}
-[[contact]]
-pair = ["floor", "ball"]
-near_field = false
 "#,
         RADIUS_M + DROP_M,
         setting.text()

@@ -44,7 +44,7 @@ fn the_fastest_way_that_is_moved_depends_on_its_interpolation() {
 
 #[test]
 fn every_problem_names_its_line() {
-    let cases: [(&str, &str); 22] = [
+    let cases: [(&str, &str); 23] = [
         (
             "[loop]\nrate_hz = 0\n",
             "s.toml:2:1: rate_hz is 0; it must be 1 to 10000",
@@ -130,6 +130,10 @@ fn every_problem_names_its_line() {
         (
             "[[contact]]\npair = [\"ball\", \"drop\"]\nrestitution = 0.5\n",
             "s.toml:3:1: only two rigid bodies of which one is free have a restitution",
+        ),
+        (
+            "[[contact]]\npair = [\"drop\", \"drop\"]\nnear_field = true\n",
+            "s.toml:3:1: only tools go into a body by what its net does not show",
         ),
     ];
     for (text, expected) in cases {
