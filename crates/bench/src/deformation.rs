@@ -18,6 +18,7 @@ mod poking;
 mod refit;
 mod scenes;
 mod svg;
+mod theory;
 mod world;
 
 pub use hard::{HardRow, hard_cases, hard_table};
@@ -87,6 +88,9 @@ pub fn deformation(effort: Effort, cases: Cases<'_>, out: &mut dyn FnMut(Row)) -
         if wanted(&case) {
             out(indent::tick_row(&case, model, effort));
         }
+    }
+    if in_time(true) {
+        theory::rows(effort, &wanted, out);
     }
     motion::rows(effort, &wanted, out);
     poking::rows(effort, &wanted, out);

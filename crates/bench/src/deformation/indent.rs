@@ -35,16 +35,16 @@ impl World {
 
 /// A force that is held.
 #[derive(Clone, Copy, Default)]
-struct Held {
+pub(super) struct Held {
     /// Mean over the last 0.1 s, N.
-    force_n: f64,
+    pub force_n: f64,
     /// Greatest less least in that time, N.
     ripple_n: f64,
 }
 
 /// The force of a tick, held until its mean over 0.1 s changes by less than 1e-5 from one to the
 /// next, or for two seconds; quick: 1e-4, or one second.
-fn settled(dt_s: f64, effort: Effort, mut tick: impl FnMut() -> f64) -> Held {
+pub(super) fn settled(dt_s: f64, effort: Effort, mut tick: impl FnMut() -> f64) -> Held {
     let (bursts, share) = if effort == Effort::Quick {
         (10, 1e-4)
     } else {

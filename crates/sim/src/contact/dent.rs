@@ -71,11 +71,11 @@ pub(super) fn touch(search: &mut Search<'_>, p: usize, t: usize, pose: &Pose) {
     }
     let shape = &scene.tools[t].shape;
     let over = (&point, &normal, deep_m);
-    let Some(profile) = profile::of(shape, &narrow[p], pose, over, place.patch_m) else {
+    let Some(profile) = profile::of(shape, &narrow[p], pose, over, &place) else {
         return;
     };
     touches[p] = Touch {
-        profile: profile.on(place.curvature_1_m),
+        profile,
         most_m: shape
             .reach_m()
             .unwrap_or(f64::INFINITY)

@@ -1,6 +1,6 @@
 //! How a tool stands over a surface around the place where it touches.
 
-use crate::solve::indentation::Profile;
+use crate::solve::indentation::{Profile, Resolution};
 use palpate_geometry::contact::dispatch::Narrow;
 use palpate_geometry::contact::{Contact, Edge, Facing, ToolShape};
 use palpate_geometry::math::{Point3, Pose, Vector3};
@@ -8,15 +8,16 @@ use palpate_geometry::math::{Point3, Pose, Vector3};
 /// A point, its normal, and how deep the tool is there, m: heights are looked at from below.
 type Place<'a> = (&'a Point3, &'a Vector3, f64);
 
-/// Of a tool at a pose over a place with a normal, on a patch of this radius; `None` of points, planes and beside edges.
+/// Of a tool at a pose over a place with a normal, where the body resolves so much; `None` of points, planes and beside
+/// edges.
 pub(super) fn of(
     shape: &ToolShape,
     narrow: &Narrow,
     pose: &Pose,
     place: Place<'_>,
-    patch_m: f64,
+    body: &Resolution,
 ) -> Option<Profile> {
-    match shape {
+    let found = match shape {
         // A half-space is a floor for most: what falls on it comes back as the net alone says.
         ToolShape::Point | ToolShape::Plane { .. } => None,
         ToolShape::Sphere { radius_m } => (*radius_m > 0.0).then(|| Profile::ball(*radius_m)),
@@ -28,19 +29,20 @@ pub(super) fn of(
             let bent = tool.surface().curvature(u, v)?;
             Some(Profile::round((bent.min * bent.max).max(0.0).sqrt()))
         }
-        ToolShape::Implicit { .. } | ToolShape::Mesh(_) => {
-            // Where an edge is near, which side of it touches changes all.
-            let in_tool = pose.inverse_transform_point(place.0);
-            let edges = shape.features().map_or(&[][..], |features| &features.edges);
-            let near_m = EDGE * patch_m;
-            if edges.iter().any(|edge| away_m(edge, &in_tool) < near_m) {
-                return None;
-            }
-            over(place, patch_m, |x| {
-                narrow.facing(shape, pose, x, f64::INFINITY)
-            })
-        }
-    }
+        ToolShape::Implicit { .. } | ToolShape::Mesh(_) => over(place, body.patch_m, |x| {
+            narrow.facing(shape, pose, x, f64::INFINITY)
+        }),
+    };
+    let share = share_beside_edges(shape, &pose.inverse_transform_point(place.0), body.patch_m);
+    found.map(|profile| profile.on(body.curvature_1_m).times(share))
+}
+
+/// How much of a profile counts at a place in the frame of the tool: near an edge, which side of it touches changes all.
+fn share_beside_edges(shape: &ToolShape, at: &Point3, patch_m: f64) -> f64 {
+    let edges = shape.features().map_or(&[][..], |features| &features.edges);
+    let away_m = edges.iter().map(|edge| away_m(edge, at));
+    let away_m = away_m.fold(f64::INFINITY, f64::min);
+    ((away_m / patch_m - EDGES[0]) / (EDGES[1] - EDGES[0])).clamp(0.0, 1.0)
 }
 
 /// Distance of a point to an edge, m; to a curved one that of its nearest of many points.
@@ -82,8 +84,9 @@ const LOOKS: usize = 3;
 const LONGEST: f64 = 2.0;
 /// 4 √(c₁ c₂) / (√c₁ + √c₂)² of the slimmest ellipsoid that counts as one.
 const SLIM: f64 = 0.64;
-/// An edge nearer than this, relative to the patch, is near.
-const EDGE: f64 = 2.0;
+/// Distances of edges, relative to the patch, between which a profile comes to what it is without them: a tool that
+/// slides has no step of its force where an edge comes near.
+const EDGES: [f64; 2] = [1.0, 2.0];
 /// Lower than this, relative to the patch, is flat.
 const FLAT: f64 = 1e-6;
 

@@ -152,6 +152,15 @@ impl Profile {
         Self { bend_1_m, ..*self }
     }
 
+    /// With heights so many times as large.
+    pub fn times(&self, share: f64) -> Self {
+        Self {
+            slope: share * self.slope,
+            bend_1_m: share * self.bend_1_m,
+            rim_1_m3: share * self.rim_1_m3,
+        }
+    }
+
     /// How far it goes into a half-space where it presses a patch of this radius, m.
     fn depth_m(&self, a: f64) -> f64 {
         a * (0.5 * PI * self.slope + a * (2.0 * self.bend_1_m + 8.0 / 3.0 * self.rim_1_m3 * a * a))

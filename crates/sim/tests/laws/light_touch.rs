@@ -54,6 +54,7 @@ struct Slab {
     model: &'static str,
     spans: usize,
     layers: usize,
+    poisson: f64,
 }
 
 impl Slab {
@@ -62,6 +63,7 @@ impl Slab {
             model: "continuum",
             spans,
             layers: spans / 2 + 1,
+            poisson: 0.3,
         }
     }
 
@@ -77,11 +79,12 @@ impl Slab {
             model,
             spans,
             layers,
+            poisson,
         } = self;
         let inner: Vec<f64> = (1..*spans).map(|k| k as f64 / *spans as f64).collect();
         let text = format!(
             "[[body]]\nid = \"slab\"\nsurface = {{ builtin = \"sheet\", net = [4, 4], size = 0.06 }}\n\
-             model = {model:?}\nmaterial = {{ young_pa = 20e3, poisson = 0.3, damping_s = 5e-3 }}\n\
+             model = {model:?}\nmaterial = {{ young_pa = 20e3, poisson = {poisson:?}, damping_s = 5e-3 }}\n\
              lattice = {{ thickness_m = 0.03, layers = {layers}, refine = {{ u = {inner:?}, v = {inner:?} }} }}\n\
              fixed = [{{ point = [0.0, 0.0, -0.0299], normal = [0.0, 0.0, 1.0] }}]\n\
              [[tool]]\nid = \"tool\"\nshape = {shape}\n\
@@ -239,6 +242,7 @@ fn slabs_of_flat_cells_thick_cells_and_smooth_nets_have_hertz_forces() {
             model,
             spans,
             layers,
+            poisson: 0.3,
         };
         let depths_m = [0.25e-3, 0.5e-3, 1e-3];
         let forces = slab.press(BALL, ([0.0; 2], Rotation::identity()), 0.01, &depths_m);
@@ -270,5 +274,37 @@ fn a_ball_held_still_on_a_coarse_net_meets_a_steady_force() {
             high - low < 1e-4 * high && low > 0.0,
             "{x} m: {low} to {high} N"
         );
+    }
+}
+
+#[test]
+#[ignore = "scan"]
+fn scan_of_radii_and_poissons_ratios() {
+    for model in ["continuum", "net", "lattice"] {
+        for poisson in [0.25, 0.45, 0.49, 0.499] {
+            if model == "lattice" && poisson != 0.25 {
+                continue;
+            }
+            for spans in [8, 16] {
+                for radius_m in [1e-3, 2e-3, 5e-3, 10e-3] {
+                    let mut line = String::new();
+                    for at in places(spans) {
+                        let slab = Slab { model, spans, layers: if model == "net" { 4 } else { spans / 2 + 1 }, poisson };
+                        let depths_m = [0.1, 0.25, 0.5].map(|x| x * f64::min(radius_m, 4e-3));
+                        let shape = format!("{{ sphere = {{ radius_m = {radius_m:?} }} }}");
+                        let forces = slab.press(&shape, (at, Rotation::identity()), radius_m, &depths_m);
+                        let plane = 20e3 / (1.0 - poisson * poisson);
+                        let alpha = (1.2876 - 1.4678 * poisson + 1.3442 * poisson * poisson) / (1.0 - poisson) * 1.28 / 1.3833;
+                        for (force_n, depth_m) in std::iter::zip(forces, depths_m) {
+                            let near_m = depth_m + alpha / (PI * plane * 0.03) * force_n;
+                            let ratio = force_n / (4.0 / 3.0 * plane * radius_m.sqrt() * near_m.powf(1.5));
+                            line += &format!(" {ratio:.3}");
+                        }
+                        line += " |";
+                    }
+                    println!("{model:>9} nu {poisson} spans {spans} R {radius_m}:{line}");
+                }
+            }
+        }
     }
 }
