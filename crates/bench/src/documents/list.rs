@@ -171,6 +171,17 @@ pub(super) fn tables() -> Vec<Table> {
             of_simulation: true,
             ..rows_at(
                 Effort::Quick,
+                "theory",
+                "docs/deformation.md",
+                &[Rows(Suite::Deformation, &[("theory/*", "*")])],
+                &[Error, Note],
+                &["crates/bench/src/deformation/theory.rs"],
+            )
+        },
+        Table {
+            of_simulation: true,
+            ..rows_at(
+                Effort::Quick,
                 "engines",
                 "docs/comparison.md",
                 &[Rows(

@@ -9,7 +9,7 @@ use crate::scene::parts::{BodyModel, Choice, DeformingBody, samples_per_span};
 use crate::scene::plan::step_us;
 use crate::scene::refine::{self, Refined};
 use crate::scene::spec::{BodySpec, IterationsSpec, MatrixSpec, MethodSpec, ModelSpec, RefineSpec};
-use crate::solve::indentation::{PATCH, PATCH_OF_SMOOTH, Resolution};
+use crate::solve::indentation::{FOCUS, FOCUS_OF_SMOOTH, PATCH, PATCH_OF_SMOOTH, Resolution};
 use palpate_geometry::basis::KnotVector;
 use palpate_geometry::contact::ContactSamples;
 use palpate_geometry::math::{Point3, Vector3};
@@ -106,10 +106,13 @@ fn resolution(surface: &Surface, body: &Deformable, spec: &BodySpec) -> Vec<Reso
             return Some(Resolution::default());
         }
         let span_m = span_m(surface, control);
-        let patch_m = match smooth {
-            true => PATCH_OF_SMOOTH * span_m,
+        let (patch_m, focus) = match smooth {
+            true => (PATCH_OF_SMOOTH * span_m, FOCUS_OF_SMOOTH),
             // Half a cell is all that a control point of a surface has.
-            false => PATCH * (span_m * libm::cbrt(2.0 * grain.volume_m3)).sqrt(),
+            false => {
+                let cell_m = libm::cbrt(2.0 * grain.volume_m3);
+                (PATCH * (span_m * cell_m).sqrt(), FOCUS)
+            }
         };
         let mean = surface
             .curvature(u, v)
@@ -119,6 +122,7 @@ fn resolution(surface: &Surface, body: &Deformable, spec: &BodySpec) -> Vec<Reso
         Some(Resolution {
             plane_modulus_pa: grain.plane_modulus_pa,
             patch_m,
+            focus,
             curvature_1_m: mean.max(-most).min(most),
             // Half of what is there.
             thin_1_m: 2.0 / thickness_m,
