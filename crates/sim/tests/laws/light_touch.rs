@@ -2,7 +2,7 @@
 
 use super::deformation::press_forces;
 use crate::common::{World, pose, teardrop};
-use palpate_geometry::math::Rotation;
+use palpate_geometry::math::{Random, Rotation};
 use std::f64::consts::PI;
 
 /// Neo-Hookean finite elements, ν = 0.3, quadratic tetrahedra graded towards the touch, within 0.5 %: a ball of
@@ -35,9 +35,9 @@ fn light_touches_of_the_teardrop_have_the_forces_of_the_reference() {
         ("continuum", 4, focus, 0.09),
         ("continuum", 6, "\"auto\"", 0.06),
         ("continuum", 6, focus, 0.06),
-        ("net", 2, "\"auto\"", 0.13),
-        ("net", 2, focus, 0.1),
-        ("net", 4, "\"auto\"", 0.06),
+        ("net", 2, "\"auto\"", 0.16),
+        ("net", 2, focus, 0.14),
+        ("net", 4, "\"auto\"", 0.1),
     ] {
         let off = deviations(model, layers, refine);
         assert!(off.iter().all(|off| off.abs() < most), "{model}: {off:?}");
@@ -65,6 +65,15 @@ impl Slab {
             layers: spans / 2 + 1,
             poisson: 0.3,
         }
+    }
+
+    /// Forces of a ball held at these depths, over those of Hertz.
+    fn of_hertz(&self, radius_m: f64, at: [f64; 2], depths_m: &[f64]) -> Vec<f64> {
+        let shape = format!("{{ sphere = {{ radius_m = {radius_m:?} }} }}");
+        let forces = self.press(&shape, (at, Rotation::identity()), radius_m, depths_m);
+        let each = std::iter::zip(forces, depths_m);
+        each.map(|(force_n, depth_m)| over_hertz(force_n, radius_m, *depth_m, self.poisson))
+            .collect()
     }
 
     /// Forces of a tool whose lowest point is `low_m` below its reference point, held at these depths, N.
@@ -129,10 +138,18 @@ fn places(spans: usize) -> [[f64; 2]; 4] {
 
 const BALL: &str = "{ sphere = { radius_m = 0.01 } }";
 
-/// Force over that of an ellipsoid whose radii of curvature have a geometric mean, by Hertz.
+/// Force over that of an ellipsoid whose radii of curvature have a geometric mean, by Hertz, on the slab of ν = 0.3.
 fn of_hertz(force_n: f64, radius_m: f64, depth_m: f64) -> f64 {
-    let near_m = depth_m - LAYER_M_N * force_n;
-    force_n / (4.0 / 3.0 * PLANE_PA * radius_m.sqrt() * near_m.powf(1.5))
+    over_hertz(force_n, radius_m, depth_m, 0.3)
+}
+
+fn over_hertz(force_n: f64, radius_m: f64, depth_m: f64, poisson: f64) -> f64 {
+    let plane_pa = 20e3 / (1.0 - poisson * poisson);
+    // Dimitriadis et al. (2002) for bonded layers, with the slab's own constant at ν = 0.3.
+    let alpha = |nu: f64| (1.2876 - 1.4678 * nu + 1.3442 * nu * nu) / (1.0 - nu);
+    let layer_m_n = 1.28 * alpha(poisson) / alpha(0.3) / (PI * plane_pa * 0.03);
+    let near_m = depth_m + layer_m_n * force_n;
+    force_n / (4.0 / 3.0 * plane_pa * radius_m.sqrt() * near_m.powf(1.5))
 }
 
 // Finite elements of finite strain have 0.994, 0.992, 0.984 at 0.25, 0.5, 1 mm under the ball of 10 mm.
@@ -228,33 +245,71 @@ fn a_capsule_that_lies_has_one_force_on_nets_of_all_sizes() {
 }
 
 #[test]
-fn slabs_of_flat_cells_thick_cells_and_smooth_nets_have_hertz_forces() {
-    for (model, spans, layers, least, most) in [
-        ("continuum", 8, 9, 0.97, 1.06),
-        ("continuum", 8, 17, 0.97, 1.12),
-        ("continuum", 16, 4, 0.97, 1.06),
-        ("continuum", 16, 13, 0.95, 1.06),
-        ("net", 8, 5, 0.9, 1.1),
-        ("net", 12, 4, 0.9, 1.12),
-        ("net", 16, 5, 0.9, 1.12),
+fn slabs_of_flat_cells_and_thick_cells_have_hertz_forces() {
+    for (spans, layers, least, most) in [
+        (8, 9, 0.97, 1.06),
+        (8, 17, 0.97, 1.12),
+        (16, 4, 0.97, 1.06),
+        (16, 13, 0.95, 1.06),
     ] {
         let slab = Slab {
-            model,
-            spans,
             layers,
-            poisson: 0.3,
+            ..Slab::cubes(spans)
         };
-        let depths_m = [0.25e-3, 0.5e-3, 1e-3];
-        let forces = slab.press(BALL, ([0.0; 2], Rotation::identity()), 0.01, &depths_m);
-        let each = std::iter::zip(&forces, depths_m);
-        let ratios: Vec<f64> = each
-            .map(|(force_n, depth_m)| of_hertz(*force_n, 0.01, depth_m))
-            .collect();
-        println!("{model}, {spans} spans, {layers} layers: {ratios:.3?}");
+        let ratios = slab.of_hertz(0.01, [0.0; 2], &[0.25e-3, 0.5e-3, 1e-3]);
+        println!("{spans} spans, {layers} layers: {ratios:.3?}");
         assert!(
             ratios.iter().all(|ratio| (least..most).contains(ratio)),
             "{ratios:?}"
         );
+    }
+}
+
+// Two layers of 30 mm under spans of 3.75 mm have 2.5 times that force without what a net does not show, and a net in its
+// cells 1.3 times that on its nodes where the place does not count.
+#[test]
+fn nets_have_hertz_forces_whatever_their_layers_and_the_place() {
+    for spans in [8, 12, 16] {
+        for layers in [2, 4, 6] {
+            for at in places(spans) {
+                let slab = Slab {
+                    model: "net",
+                    layers,
+                    ..Slab::cubes(spans)
+                };
+                let small = slab.of_hertz(0.002, at, &[0.1e-3, 0.4e-3]);
+                let large = slab.of_hertz(0.01, at, &[0.25e-3, 0.5e-3, 1e-3]);
+                println!("{spans} spans, {layers} layers at {at:.4?}: {small:.3?} {large:.3?}");
+                for ratio in small.iter().chain(&large) {
+                    assert!((0.9..1.1).contains(ratio), "{ratio}");
+                }
+            }
+        }
+    }
+}
+
+// Radii of 1 to 10 mm, depths of 2 to 20 % of them, ν of 0.2 to 0.49, anywhere.
+#[test]
+fn random_balls_have_hertz_forces() {
+    let mut random = Random(43);
+    for _ in 0..24 {
+        let radius_m = 1e-3 * libm::pow(10.0, random.unit());
+        let depth_m = radius_m * 0.02 * libm::pow(10.0, random.unit());
+        let slab = Slab {
+            poisson: random.float(0.2, 0.49),
+            ..Slab::cubes([8, 12, 16][random.below(3)])
+        };
+        let at = [(); 2].map(|()| 5e-3 * random.signed());
+        let ratio = slab.of_hertz(radius_m, at, &[depth_m])[0];
+        let what = format!(
+            "{:.2} mm, {:.3} mm deep, ν {:.2}, {} spans: {ratio:.3}",
+            radius_m * 1e3,
+            depth_m * 1e3,
+            slab.poisson,
+            slab.spans
+        );
+        println!("{what}");
+        assert!((0.96..1.02).contains(&ratio), "{what}");
     }
 }
 
@@ -274,39 +329,5 @@ fn a_ball_held_still_on_a_coarse_net_meets_a_steady_force() {
             high - low < 1e-4 * high && low > 0.0,
             "{x} m: {low} to {high} N"
         );
-    }
-}
-
-#[test]
-#[ignore = "scan"]
-fn scan_of_nets() {
-    for (model, layers) in [("net", 6), ("net", 4)] {
-        for spans in [8, 12, 16] {
-            for radius_m in [2e-3, 10e-3] {
-                let mut line = String::new();
-                for at in places(spans) {
-                    let poisson = if model == "lattice" { 0.25 } else { 0.3 };
-                    let slab = Slab {
-                        model,
-                        spans,
-                        layers: if layers == 0 { spans / 2 + 1 } else { layers },
-                        poisson,
-                    };
-                    let depths_m = [0.05, 0.1, 0.2].map(|x| x * f64::min(radius_m, 5e-3));
-                    let shape = format!("{{ sphere = {{ radius_m = {radius_m:?} }} }}");
-                    let forces =
-                        slab.press(&shape, (at, Rotation::identity()), radius_m, &depths_m);
-                    let plane = 20e3 / (1.0 - poisson * poisson);
-                    for (force_n, depth_m) in std::iter::zip(forces, depths_m) {
-                        let near_m = depth_m + 1.28 / (PI * plane * 0.03) * force_n;
-                        let ratio =
-                            force_n / (4.0 / 3.0 * plane * radius_m.sqrt() * near_m.powf(1.5));
-                        line += &format!(" {ratio:.3}");
-                    }
-                    line += " |";
-                }
-                println!("{model} {layers} layers, spans {spans} R {radius_m}:{line}");
-            }
-        }
     }
 }

@@ -9,7 +9,9 @@ use crate::scene::parts::{BodyModel, Choice, DeformingBody, samples_per_span};
 use crate::scene::plan::step_us;
 use crate::scene::refine::{self, Refined};
 use crate::scene::spec::{BodySpec, IterationsSpec, MatrixSpec, MethodSpec, ModelSpec, RefineSpec};
-use crate::solve::indentation::{FOCUS, FOCUS_OF_SMOOTH, PATCH, PATCH_OF_SMOOTH, Resolution};
+use crate::solve::indentation::{
+    FOCUS, FOCUS_OF_SMOOTH, PATCH, PATCH_OF_SMOOTH, Resolution, of_layers,
+};
 use palpate_geometry::basis::KnotVector;
 use palpate_geometry::contact::ContactSamples;
 use palpate_geometry::math::{Point3, Vector3};
@@ -107,7 +109,11 @@ fn resolution(surface: &Surface, body: &Deformable, spec: &BodySpec) -> Vec<Reso
         }
         let span_m = span_m(surface, control);
         let (patch_m, focus) = match smooth {
-            true => (PATCH_OF_SMOOTH * span_m, FOCUS_OF_SMOOTH),
+            true => {
+                let layer_m = 2.0 * grain.volume_m3 / (span_m * span_m);
+                let patch_m = PATCH_OF_SMOOTH * span_m * of_layers(layer_m / span_m);
+                (patch_m, FOCUS_OF_SMOOTH)
+            }
             // Half a cell is all that a control point of a surface has.
             false => {
                 let cell_m = libm::cbrt(2.0 * grain.volume_m3);
