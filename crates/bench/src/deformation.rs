@@ -89,7 +89,7 @@ pub fn deformation(effort: Effort, cases: Cases<'_>, out: &mut dyn FnMut(Row)) -
             out(indent::tick_row(&case, model, effort));
         }
     }
-    if in_time(true) {
+    if effort == Effort::Full || cases.are_chosen() {
         theory::rows(effort, &wanted, out);
     }
     motion::rows(effort, &wanted, out);
