@@ -18,6 +18,7 @@ mod poking;
 mod refit;
 mod scenes;
 mod svg;
+#[expect(clippy::type_complexity, reason = "a body is a name, a ratio and its layers")]
 mod theory;
 mod world;
 
