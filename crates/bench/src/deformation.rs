@@ -18,7 +18,10 @@ mod poking;
 mod refit;
 mod scenes;
 mod svg;
-#[expect(clippy::type_complexity, reason = "a body is a name, a ratio and its layers")]
+#[expect(
+    clippy::type_complexity,
+    reason = "a body is a name, a ratio and its layers"
+)]
 mod theory;
 mod world;
 
