@@ -18,10 +18,6 @@ mod poking;
 mod refit;
 mod scenes;
 mod svg;
-#[expect(
-    clippy::type_complexity,
-    reason = "a body is a name, a ratio and its layers"
-)]
 mod theory;
 mod world;
 

@@ -69,47 +69,42 @@ struct Case {
     of_all: bool,
 }
 
-const fn ball(name: &'static str, radius_m: f64, depths_m: &'static [f64]) -> Case {
+const fn case(name: &'static str, tool: Tool, depths_m: &'static [f64], of_all: bool) -> Case {
     Case {
         name,
-        of_all: radius_m != 5e-3,
-        tool: Tool::Ball { radius_m },
+        tool,
         depths_m,
+        of_all,
     }
 }
 
-const fn cone(name: &'static str, half_angle_rad: f64) -> Case {
-    Case {
-        name,
-        tool: Tool::Cone { half_angle_rad },
-        of_all: half_angle_rad == 0.7,
-        depths_m: &[0.5e-3, 1e-3],
-    }
+const fn ball(radius_m: f64) -> Tool {
+    Tool::Ball { radius_m }
+}
+
+const fn cone(half_angle_rad: f64) -> Tool {
+    Tool::Cone { half_angle_rad }
+}
+
+const fn punch(radius_m: f64) -> Tool {
+    Tool::Punch { radius_m }
 }
 
 const CASES: [Case; 9] = [
-    ball("hertz/1mm", 1e-3, &[0.1e-3, 0.2e-3]),
-    ball("hertz/2mm", 2e-3, &[0.1e-3, 0.4e-3]),
-    ball("hertz/5mm", 5e-3, &[0.25e-3, 0.5e-3]),
-    ball("hertz/10mm", 10e-3, &[0.25e-3, 1e-3]),
-    cone("sneddon/0.3rad", 0.3),
-    cone("sneddon/0.7rad", 0.7),
-    cone("sneddon/1.2rad", 1.2),
-    Case {
-        name: "punch/4mm",
-        tool: Tool::Punch { radius_m: 4e-3 },
-        of_all: false,
-        depths_m: &[0.5e-3],
-    },
-    Case {
-        name: "punch/8mm",
-        tool: Tool::Punch { radius_m: 8e-3 },
-        of_all: false,
-        depths_m: &[0.5e-3],
-    },
+    case("hertz/1mm", ball(1e-3), &[0.1e-3, 0.2e-3], true),
+    case("hertz/2mm", ball(2e-3), &[0.1e-3, 0.4e-3], true),
+    case("hertz/5mm", ball(5e-3), &[0.25e-3, 0.5e-3], false),
+    case("hertz/10mm", ball(10e-3), &[0.25e-3, 1e-3], true),
+    case("sneddon/0.3rad", cone(0.3), &[0.5e-3, 1e-3], false),
+    case("sneddon/0.7rad", cone(0.7), &[0.5e-3, 1e-3], true),
+    case("sneddon/1.2rad", cone(1.2), &[0.5e-3, 1e-3], false),
+    case("punch/4mm", punch(4e-3), &[0.5e-3], false),
+    case("punch/8mm", punch(8e-3), &[0.5e-3], false),
 ];
-/// Models with Poisson's ratios and layers of their cells for each span of the net's side.
-const BODIES: [(&str, f64, fn(usize) -> usize); 5] = [
+/// A model, its Poisson's ratio, and the layers of a slab with so many spans a side.
+type Body = (&'static str, f64, fn(usize) -> usize);
+
+const BODIES: [Body; 5] = [
     ("continuum", 0.3, |spans| spans / 2 + 1),
     ("continuum", 0.45, |spans| spans / 2 + 1),
     ("continuum", 0.49, |spans| spans / 2 + 1),
@@ -167,8 +162,6 @@ fn row(
     let row = Row::new("deformation", name, "palpate").saying(notes.join(", "));
     row.off_by(worst, "of the force")
 }
-
-type Body = (&'static str, f64, fn(usize) -> usize);
 
 /// E / (1 − ν²), Pa.
 fn plane_pa(poisson: f64) -> f64 {
