@@ -17,6 +17,10 @@ use std::time::{Duration, Instant};
 /// Between two looks at how old the last force is.
 const TURN: Duration = Duration::from_millis(1);
 const QUEUE: usize = 256;
+/// Zero is sent again after each of so many such times: a force may be lost on the way, and the driver would keep the
+/// one before.
+const REPEATS: u32 = 10;
+const REPEAT: Duration = Duration::from_millis(20);
 
 /// What a guard did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -49,18 +53,23 @@ pub fn guard_crtk(
     let take = move |wrench: WrenchStamped, _| drop(queue.try_send((Instant::now(), wrench)));
     let _receiver = node.subscriber(&topic("palpate/servo_cf"), Qos::Newest, &intake, take)?;
     let mut report = GuardReport::default();
-    let rest = |frame: &str| {
+    let zero = |frame: &str| {
         forces.put(&WrenchStamped {
             header: Header::new(unix_ns(), frame),
             force: [0.0; 3],
             torque: [0.0; 3],
         });
+    };
+    let rest = |frame: &str| {
+        zero(frame);
         free.put(&Empty::default());
     };
     // A guard that was started again comes to a force that acts already.
     let mut watchdog = Watchdog::new(false).from_nothing();
     let mut newest: Option<WrenchStamped> = None;
     let (mut resting, mut told) = (true, 0.0);
+    // How often zero is still to be sent, and when it was last.
+    let mut again = (0, Instant::now());
     while !stop.load(Ordering::Relaxed) {
         let mut came = false;
         match inputs.recv_timeout(TURN) {
@@ -82,8 +91,12 @@ pub fn guard_crtk(
         if gain == 0.0 {
             if !resting {
                 rest(&wrench.header.frame_id);
+                again = (REPEATS, Instant::now());
                 report.stopped += 1;
                 tracing::warn!(namespace, "forces stopped: the device is free");
+            } else if again.0 > 0 && again.1.elapsed() >= REPEAT {
+                zero(&wrench.header.frame_id);
+                again = (again.0 - 1, Instant::now());
             }
             resting = true;
         } else if came || gain != told {
