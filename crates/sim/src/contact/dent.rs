@@ -1,7 +1,7 @@
 //! How far a tool goes into a solid beyond what the solid's net shows, in a tick.
 
-use super::profile;
 use super::search::{PairState, Search};
+use super::{face, profile};
 use crate::solve::indentation::{EASE, Indentation, Resolution, Touch};
 use crate::solve::matrix::ContactMatrix;
 use crate::solve::rows::{MAX_ROWS_PER_PAIR, Row, RowSet};
@@ -17,6 +17,7 @@ pub(super) fn touch(search: &mut Search<'_>, p: usize, t: usize, pose: &Pose) {
     let Search {
         scene,
         warm,
+        bodies,
         rows,
         narrow,
         touches,
@@ -29,6 +30,7 @@ pub(super) fn touch(search: &mut Search<'_>, p: usize, t: usize, pose: &Pose) {
     if of_controls.is_empty() || !pair.near_field {
         return;
     }
+    let (shape, surface) = (&scene.tools[t].shape, &bodies[pair.body].surface);
     let mut warm = (warm.of_pair(p))
         .filter(|old| !old.id.key.is_anchor())
         .peekable();
@@ -44,11 +46,15 @@ pub(super) fn touch(search: &mut Search<'_>, p: usize, t: usize, pose: &Pose) {
         deep_m = deep_m.max(-row.now_m);
         let (controls, weights) = rows.weights_in(row.on_body);
         let resolution = Resolution::blend(of_controls, controls, weights);
-        touching.add((-row.gap_m).max(0.0), &resolution, row);
+        let outward = match shape.features() {
+            Some(_) => surface.normal(row.u, row.v),
+            None => row.normal,
+        };
+        touching.add((-row.gap_m).max(0.0), &resolution, row, &outward);
         if let Some(old) = warm.next_if(|old| old.id == row.id) {
             force_n += old.force_n;
             carried_n += old.force_n;
-            carrying.add(old.force_n, &resolution, row);
+            carrying.add(old.force_n, &resolution, row, &outward);
             if old.force_n > 0.0 && count < forces.len() {
                 forces[count] = (row.point, old.force_n);
                 count += 1;
@@ -58,7 +64,7 @@ pub(super) fn touch(search: &mut Search<'_>, p: usize, t: usize, pose: &Pose) {
     force_n += warm.map(|old| old.force_n).sum::<f64>();
     // At first it is where the tool is deepest.
     let place = if carried_n > 0.0 { carrying } else { touching };
-    let Some((mut place, point, normal)) = place.mean() else {
+    let Some((mut place, point, normal, outward)) = place.mean() else {
         return;
     };
     if place.patch_m <= 0.0 {
@@ -69,19 +75,28 @@ pub(super) fn touch(search: &mut Search<'_>, p: usize, t: usize, pose: &Pose) {
     if last_m > 0.0 {
         place.patch_m = last_m + EASE * (place.patch_m - last_m);
     }
-    let shape = &scene.tools[t].shape;
     let over = (&point, &normal, deep_m);
     let Some(profile) = profile::of(shape, &narrow[p], pose, over, &place) else {
         return;
     };
+    let at = face::Place {
+        point: &point,
+        outward: &outward,
+        bounds: &bodies[pair.body].bounds,
+        patch_m: place.patch_m,
+    };
+    let face = face::of(shape, &narrow[p], pose, &at).unwrap_or_default();
+    let normal = normal * (1.0 - face.share) + face.normal * face.share;
+    let thick = (1.0 / (place.thin_1_m * place.patch_m)).min(1.0);
     touches[p] = Touch {
         profile,
+        flat_1_m: thick * face.missing_1_m,
         most_m: shape
             .reach_m()
             .unwrap_or(f64::INFINITY)
             .min(1.0 / place.thin_1_m),
         place,
-        normal,
+        normal: normal.normalize(),
         force_n,
         share: together(&forces[..count], place.patch_m),
         beside_n: 0.0,
@@ -236,21 +251,25 @@ struct Place {
     resolution: Resolution,
     point: Vector3,
     normal: Vector3,
+    /// Of the body's surface, on the side of the rows.
+    outward: Vector3,
 }
 
 impl Place {
-    fn add(&mut self, share: f64, resolution: &Resolution, row: &Row) {
+    fn add(&mut self, share: f64, resolution: &Resolution, row: &Row, outward: &Vector3) {
         self.whole += share;
         self.resolution.add(share, resolution);
         self.point += row.point.coords * share;
         self.normal += row.normal * share;
+        self.outward += outward * (share * outward.dot(&row.normal));
     }
 
     /// None without rows, or where they push in opposite directions.
-    fn mean(&self) -> Option<(Resolution, Point3, Vector3)> {
+    fn mean(&self) -> Option<(Resolution, Point3, Vector3, Vector3)> {
         let normal = self.normal.try_normalize(1e-3 * self.whole)?;
         let mut mean = Resolution::default();
         mean.add(1.0 / self.whole, &self.resolution);
-        Some((mean, (self.point / self.whole).into(), normal))
+        let outward = self.outward.try_normalize(0.0).unwrap_or(normal);
+        Some((mean, (self.point / self.whole).into(), normal, outward))
     }
 }

@@ -5,13 +5,14 @@
 //! find      for each of them the query, and its rows: tools here, bodies in between
 //! points    follow (feet of tools), manifold (rigid), meeting and lying (bodies), stick, grip: places that last
 //! feet      rows of contacts and samples
-//! dent      how far a tool goes in beyond what a net shows, profile: its heights there; bounce: how rows of rigid bodies end a tick
+//! dent      how far a tool goes in beyond what a net shows, profile and face: its heights there; bounce: how rows of rigid bodies end a tick
 //! warm      forces of the last tick, by row
 //! ```
 
 mod between;
 pub(crate) mod bounce;
 pub(crate) mod dent;
+mod face;
 pub(crate) mod feet;
 pub(crate) mod find;
 mod follow;

@@ -153,7 +153,7 @@ fn over(
 }
 
 /// Two directions across a normal, which turn with it but where it is −z.
-fn across(n: &Vector3) -> (Vector3, Vector3) {
+pub(super) fn across(n: &Vector3) -> (Vector3, Vector3) {
     let s = if n.z < 0.0 { -1.0 } else { 1.0 };
     let a = -1.0 / (s + n.z);
     let b = n.x * n.y * a;

@@ -1,6 +1,6 @@
 //! Forces that are less accurate than the scene asks for.
 
-use crate::party::BodyScratch;
+use crate::party::{BodyScratch, ToolState};
 use crate::scene::Scene;
 use crate::solve::rows::{Holder, Row};
 use crate::solve::solver::Solver;
@@ -8,9 +8,10 @@ use crate::tick::record::TickOutput;
 use crate::tick::{flags, quality};
 
 /// Flags the tools that press on a body whose step does less than the scene asks for, or on one that presses
-/// on such a body.
+/// on such a body. A tool that feels nothing has no force that could be less accurate.
 pub(crate) fn mark(
     scene: &Scene,
+    tools: &[ToolState],
     bodies: &[BodyScratch],
     rows: &[Row],
     solver: &Solver,
@@ -42,6 +43,7 @@ pub(crate) fn mark(
         if let Some(t) = row.tool()
             && (level >= quality::FEWER_SWEEPS || degraded[row.body as usize])
             && solver.carries(i)
+            && !tools[t].link.feels_nothing()
         {
             output.tools[t].flags |= flags::DEGRADED;
         }

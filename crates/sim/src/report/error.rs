@@ -17,7 +17,6 @@
 //! Not seen: what is left of the equation beyond the coordinates that carry; bodies that take several ticks a step, or
 //! step without a matrix; gaps of B-spline tools and between bodies.
 
-use crate::haptics::LinkPhase;
 use crate::party::{ToolScratch, ToolState};
 use crate::solve::friction::FrictionLaw;
 use crate::solve::problem::ContactProblem;
@@ -132,8 +131,7 @@ pub(crate) fn report(
     output: &mut TickOutput,
 ) {
     for (t, &error_n) in errors.error_n.iter().enumerate() {
-        let link = &tools[t].link;
-        if link.phase == LinkPhase::Absent || link.has_let_go() {
+        if tools[t].link.feels_nothing() {
             continue;
         }
         let out = &mut output.tools[t];

@@ -246,6 +246,7 @@ impl Indentation {
             profile,
             place,
             normal,
+            flat_1_m,
             most_m,
             share,
             beside_n,
@@ -255,15 +256,17 @@ impl Indentation {
         let force_n = force_n * share;
         let all_n = force_n + beside_n;
         let (patch_m, twice_pa) = (place.patch_m, 2.0 * place.plane_modulus_pa);
-        let full_m = profile.patch_of_depth_m(*most_m, patch_m);
-        let full_m2 = profile.load_m2(full_m);
-        if !(full_m2 > 0.0 && twice_pa > 0.0) {
+        if twice_pa.is_nan() || twice_pa <= 0.0 {
             return Self::default();
         }
+        let full_m = profile.patch_of_depth_m(*most_m, patch_m);
+        let full_m2 = profile.load_m2(full_m);
         let missing_m = |a: f64| profile.depth_m(a) - profile.load_m2(a) / patch_m;
         let least_m = LEAST_PATCH * full_m;
         let (load_m2, least_m2) = (all_n.max(0.0) / twice_pa, profile.load_m2(least_m));
-        let (offset_m, slope_m_n) = if load_m2 <= least_m2 {
+        let (offset_m, slope_m_n) = if full_m2 <= 0.0 {
+            (0.0, 0.0)
+        } else if load_m2 <= least_m2 {
             let slope = missing_m(least_m) / (twice_pa * least_m2);
             (slope * beside_n, slope)
         } else if load_m2 < full_m2 {
@@ -275,11 +278,12 @@ impl Indentation {
         };
         // Less from zero on is none.
         let offset_m = (offset_m - less_m).max(-slope_m_n * force_n);
-        let slope_m_n = slope_m_n * share;
+        let flat_m_n = flat_1_m / twice_pa;
         Self {
             normal: *normal,
-            offset_m,
-            slope_m_n,
+            offset_m: offset_m + flat_m_n * beside_n,
+            // A face is one place.
+            slope_m_n: slope_m_n * share + flat_m_n,
         }
     }
 }
@@ -289,6 +293,8 @@ impl Indentation {
 pub struct Touch {
     /// Of the tool over the surface.
     pub profile: Profile,
+    /// What a net shows too little of the tool's flat face, times 2 E*, 1/m.
+    pub flat_1_m: f64,
     /// It goes in by no more, m.
     pub most_m: f64,
     /// What the body is where it touches.

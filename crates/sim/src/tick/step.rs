@@ -227,7 +227,7 @@ fn report(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, output: 
     } = state;
     outputs::write(scene, tools, tool_parts, rows, solver, rest, output);
     error::report(errors, tools, tool_parts, output);
-    degraded::mark(scene, bodies, &rows.rows, solver, degraded, output);
+    degraded::mark(scene, tools, bodies, &rows.rows, solver, degraded, output);
     outputs::remember(scene, warm, bodies, rows, solver, rest);
     dent::remember(rows, solver, pairs);
 }

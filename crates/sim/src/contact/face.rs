@@ -1,0 +1,158 @@
+//! The flat face with which a tool touches.
+//!
+//! A flat punch of radius R goes into a half-space by F / (2 E* R), under a pressure that grows without bound
+//! towards its rim. A net cannot show that rim: it goes in like a punch wider by [`WIDER`] of the radius over which it spreads
+//! a force. A face of another outline with the area π R² goes in within 1 % as far up to a square, and within 13 % up to
+//! four times as long as wide (G. Pólya, G. Szegő: Isoperimetric Inequalities, 1951).
+
+use super::profile::across;
+use palpate_geometry::contact::dispatch::Narrow;
+use palpate_geometry::contact::{Edge, ToolShape};
+use palpate_geometry::math::{Point3, Pose, Vector3};
+
+/// Measured: slabs with spans of 5 and 7.5 mm under punches of 4 and 8 mm then have their force.
+const WIDER: f64 = 0.66;
+/// Directions in which the rim is looked for.
+const DIRECTIONS: usize = 16;
+/// An edge that rises faster over a face is not its rim.
+const STEEPEST: f64 = 0.3;
+/// Cosines between its normal and the body's, between which a face comes to lie on the body.
+const LEANS: [f64; 2] = [0.85, 0.97];
+/// Pieces of a curved edge.
+const PIECES: usize = 64;
+
+/// Where a tool touches.
+pub(super) struct Place<'a> {
+    pub point: &'a Point3,
+    /// Normal of the body's surface.
+    pub outward: &'a Vector3,
+    /// The box around the body, m.
+    pub bounds: &'a (Point3, Point3),
+    /// Over which radius the body spreads a force, m.
+    pub patch_m: f64,
+}
+
+/// A flat face of a tool over a place.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Face {
+    /// How much less a net goes in under it than a half-space, times 2 E*, 1/m.
+    pub missing_1_m: f64,
+    /// 1 where the face lies on the body, 0 where it leans on an edge or reaches beyond the body.
+    pub share: f64,
+    /// Out of the body.
+    pub normal: Vector3,
+}
+
+/// The face that a place looks at; none of a tool without edges.
+pub(super) fn of(
+    shape: &ToolShape,
+    narrow: &Narrow,
+    pose: &Pose,
+    place: &Place<'_>,
+) -> Option<Face> {
+    let edges = &shape.features()?.edges;
+    let seen = narrow.facing(shape, pose, place.point, f64::INFINITY)?;
+    let normal = seen.normal;
+    let lies = (normal.dot(place.outward) - LEANS[0]) / (LEANS[1] - LEANS[0]);
+    if edges.is_empty() || lies <= 0.0 {
+        return None;
+    }
+    let (x, y) = across(&normal);
+    let at = *place.point + normal * seen.gap_m;
+    let frame = Frame {
+        origin: pose.inverse_transform_point(&at),
+        axes: [x, y, normal].map(|axis| pose.inverse_transform_vector(&axis)),
+    };
+    let (mut shares, mut squares, mut all) = (0.0, 0.0, 0.0);
+    for k in 0..DIRECTIONS {
+        let angle = std::f64::consts::TAU * k as f64 / DIRECTIONS as f64;
+        let (sin, cos) = (libm::sin(angle), libm::cos(angle));
+        let rim = edges.iter().filter_map(|edge| frame.rim(edge, (cos, sin)));
+        let Some((far_m, slope)) = rim.min_by(|a, b| a.1.total_cmp(&b.1)) else {
+            continue;
+        };
+        let room_m = room_m(place.bounds, place.point, &(x * cos + y * sin)) - far_m;
+        let flat = (1.0 - (slope / STEEPEST).powi(2)).max(0.0);
+        let share = flat * (room_m / (2.0 * place.patch_m)).clamp(0.0, 1.0);
+        shares += share;
+        squares += share * share;
+        all += share * far_m * far_m;
+    }
+    if shares == 0.0 {
+        return None;
+    }
+    let radius_m = (all / shares).sqrt();
+    let missing_1_m = 1.0 / radius_m - 1.0 / (radius_m + WIDER * place.patch_m);
+    let share = lies.min(1.0) * squares / DIRECTIONS as f64;
+    Some(Face {
+        missing_1_m: share * missing_1_m,
+        share,
+        normal,
+    })
+}
+
+/// A place on a face, in the tool's frame.
+struct Frame {
+    origin: Point3,
+    axes: [Vector3; 3],
+}
+
+impl Frame {
+    /// Along the face and over it, m.
+    fn of(&self, p: &Point3) -> [f64; 3] {
+        let way = p - self.origin;
+        self.axes.map(|axis| axis.dot(&way))
+    }
+
+    /// How far away an edge is in a direction, m, and how steeply it stands over the face there.
+    fn rim(&self, edge: &Edge, way: (f64, f64)) -> Option<(f64, f64)> {
+        match edge {
+            Edge::Segment { ends, .. } => crossed(ends.map(|end| self.of(&end)), way),
+            &Edge::Circle { z, radius_m } => {
+                let [x, y, _] = self.axes;
+                let way = x * way.0 + y * way.1;
+                let from = self.origin;
+                let (a, b) = (way.xy().norm_squared(), way.xy().dot(&from.coords.xy()));
+                let c = from.coords.xy().norm_squared() - radius_m * radius_m;
+                let far_m = ((b * b - a * c).max(0.0).sqrt() - b) / a;
+                (c < 0.0 && far_m.is_finite()).then(|| {
+                    let at = from + way * far_m;
+                    let [x, y, up] = self.of(&Point3::new(at.x, at.y, z));
+                    let far_m = libm::hypot(x, y);
+                    (far_m, up.abs() / far_m)
+                })
+            }
+            Edge::Curve(_) => {
+                let at = |k: usize| self.of(&edge.at(k as f64 / PIECES as f64).0);
+                let pieces = (0..PIECES).filter_map(|k| crossed([at(k), at(k + 1)], way));
+                pieces.min_by(|a, b| a.1.total_cmp(&b.1))
+            }
+        }
+    }
+}
+
+/// Where a ray from the origin crosses a piece of an edge.
+fn crossed([a, b]: [[f64; 3]; 2], way: (f64, f64)) -> Option<(f64, f64)> {
+    let beside = |p: [f64; 3]| way.0 * p[1] - way.1 * p[0];
+    let (from, to) = (beside(a), beside(b));
+    if (from < 0.0) == (to < 0.0) {
+        return None;
+    }
+    let t = from / (from - to);
+    let [x, y, up] = [0, 1, 2].map(|k| a[k] + t * (b[k] - a[k]));
+    let far_m = x * way.0 + y * way.1;
+    (far_m > 0.0).then(|| (far_m, up.abs() / far_m))
+}
+
+/// How far a box reaches from a place in a direction, m.
+fn room_m((low, high): &(Point3, Point3), from: &Point3, way: &Vector3) -> f64 {
+    let along = |k: usize| {
+        let end = if way[k] > 0.0 { high[k] } else { low[k] };
+        if way[k] == 0.0 {
+            f64::INFINITY
+        } else {
+            (end - from[k]) / way[k]
+        }
+    };
+    along(0).min(along(1)).min(along(2))
+}
