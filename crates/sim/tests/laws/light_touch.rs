@@ -2,7 +2,7 @@
 
 use super::deformation::press_forces;
 use crate::common::{World, pose, teardrop};
-use palpate_geometry::math::{Random, Rotation};
+use palpate_geometry::math::{Random, Rotation, Vector3};
 use std::f64::consts::PI;
 
 /// Neo-Hookean finite elements, ν = 0.3, quadratic tetrahedra graded towards the touch, within 0.5 %: a ball of
@@ -144,12 +144,20 @@ fn of_hertz(force_n: f64, radius_m: f64, depth_m: f64) -> f64 {
 }
 
 fn over_hertz(force_n: f64, radius_m: f64, depth_m: f64, poisson: f64) -> f64 {
-    let plane_pa = 20e3 / (1.0 - poisson * poisson);
-    // Dimitriadis et al. (2002) for bonded layers, with the slab's own constant at ν = 0.3.
+    let near_m = depth_m + layer_m_n(poisson) * force_n;
+    force_n / (4.0 / 3.0 * plane_pa(poisson) * radius_m.sqrt() * near_m.powf(1.5))
+}
+
+/// E*, Pa, of the slab.
+fn plane_pa(poisson: f64) -> f64 {
+    20e3 / (1.0 - poisson * poisson)
+}
+
+/// How much less far the bonded slab goes in under a force than a half-space, m/N: Dimitriadis et al. (2002), with the
+/// slab's own constant at ν = 0.3.
+fn layer_m_n(poisson: f64) -> f64 {
     let alpha = |nu: f64| (1.2876 - 1.4678 * nu + 1.3442 * nu * nu) / (1.0 - nu);
-    let layer_m_n = 1.28 * alpha(poisson) / alpha(0.3) / (PI * plane_pa * 0.03);
-    let near_m = depth_m + layer_m_n * force_n;
-    force_n / (4.0 / 3.0 * plane_pa * radius_m.sqrt() * near_m.powf(1.5))
+    1.28 * alpha(poisson) / alpha(0.3) / (PI * plane_pa(poisson) * 0.03)
 }
 
 // Finite elements of finite strain have 0.994, 0.992, 0.984 at 0.25, 0.5, 1 mm under the ball of 10 mm.
@@ -228,7 +236,7 @@ fn cones_have_sneddon_forces_and_are_held_without_a_tremble() {
 // show they have 0.7 … 0.2 N.
 #[test]
 fn a_capsule_that_lies_has_one_force_on_nets_of_all_sizes() {
-    let turn = Rotation::from_axis_angle(&palpate_geometry::math::Vector3::x_axis(), 0.5 * PI);
+    let turn = Rotation::from_axis_angle(&Vector3::x_axis(), 0.5 * PI);
     let shape = "{ capsule = { radius_m = 0.005, half_length_m = 0.01 } }";
     let forces = [8, 12, 16].map(|spans| {
         let lies = ([0.0; 2], turn);
@@ -310,6 +318,48 @@ fn random_balls_have_hertz_forces() {
         );
         println!("{what}");
         assert!((0.96..1.02).contains(&ratio), "{what}");
+    }
+}
+
+// Cylinders of 3 to 6 mm and square boxes of as much area, turned about their axis, ν of 0.2 to 0.49, anywhere.
+#[test]
+fn random_punches_have_the_forces_of_flat_punches() {
+    let mut random = Random(430);
+    for k in 0..24 {
+        let radius_m = random.float(3e-3, 6e-3);
+        let depth_m = random.float(0.2e-3, 1e-3);
+        let slab = Slab {
+            poisson: random.float(0.2, 0.49),
+            ..Slab::cubes([8, 12][random.below(2)])
+        };
+        let at = [(); 2].map(|()| 5e-3 * random.signed());
+        // R. B. King (1987): a square gives way as much less.
+        let (shape, square) = match k % 2 {
+            0 => (
+                format!("{{ cylinder = {{ radius_m = {radius_m:?}, half_length_m = 0.02 }} }}"),
+                1.0,
+            ),
+            _ => {
+                let half_m = 0.5 * radius_m * PI.sqrt();
+                (
+                    format!("{{ box = {{ half_extents_m = [{half_m:?}, {half_m:?}, 0.02] }} }}"),
+                    1.012,
+                )
+            }
+        };
+        let turn = Rotation::from_scaled_axis(Vector3::z() * random.signed());
+        let force_n = slab.press(&shape, (at, turn), 0.02, &[depth_m])[0];
+        let plane_pa = plane_pa(slab.poisson);
+        let near_m = depth_m + layer_m_n(slab.poisson) * force_n;
+        let ratio = force_n / (2.0 * plane_pa * square * radius_m * near_m);
+        let what = format!(
+            "{shape}, {:.3} mm deep at {at:?}, ν {:.2}, {} spans: {ratio:.3}",
+            depth_m * 1e3,
+            slab.poisson,
+            slab.spans
+        );
+        println!("{what}");
+        assert!((0.95..1.07).contains(&ratio), "{what}");
     }
 }
 
