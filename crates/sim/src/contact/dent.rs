@@ -86,7 +86,10 @@ pub(super) fn touch(search: &mut Search<'_>, p: usize, t: usize, pose: &Pose) {
         patch_m: place.patch_m,
     };
     let face = face::of(shape, &narrow[p], pose, &at).unwrap_or_default();
-    let normal = normal * (1.0 - face.share) + face.normal * face.share;
+    let normal = match face.share {
+        0.0 => normal,
+        share => (normal * (1.0 - share) + face.normal * share).normalize(),
+    };
     let thick = (1.0 / (place.thin_1_m * place.patch_m)).min(1.0);
     touches[p] = Touch {
         profile,
@@ -96,7 +99,7 @@ pub(super) fn touch(search: &mut Search<'_>, p: usize, t: usize, pose: &Pose) {
             .unwrap_or(f64::INFINITY)
             .min(1.0 / place.thin_1_m),
         place,
-        normal: normal.normalize(),
+        normal,
         force_n,
         share: together(&forces[..count], place.patch_m),
         beside_n: 0.0,

@@ -180,3 +180,69 @@ fn room_m((low, high): &(Point3, Point3), from: &Point3, way: &Vector3) -> f64 {
     };
     along(0).min(along(1)).min(along(2))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use palpate_geometry::contact::implicit::ImplicitShape;
+    use std::f64::consts::{PI, TAU};
+
+    /// Area, m², and length, m, of what is seen of edges from a place in the frame of a tool.
+    fn measured(edges: &[Edge], origin: [f64; 3]) -> (f64, f64) {
+        let frame = Frame {
+            origin: origin.into(),
+            axes: [Vector3::x(), Vector3::y(), Vector3::z()],
+        };
+        let many = 4_000;
+        let (mut area_m2, mut length_m) = (0.0, 0.0);
+        for k in 0..many {
+            let angle = TAU * (f64::from(k) + 0.5) / f64::from(many);
+            let way = (libm::cos(angle), libm::sin(angle));
+            let rims = edges.iter().filter_map(|edge| frame.rim(edge, way));
+            let rim = rims.min_by(|a, b| a.slope.total_cmp(&b.slope)).unwrap();
+            assert!(rim.slope < 1e-12, "{}", rim.slope);
+            area_m2 += PI * rim.far_m * rim.far_m / f64::from(many);
+            length_m += TAU * rim.far_m / rim.cos / f64::from(many);
+        }
+        (area_m2, length_m)
+    }
+
+    fn near(found: f64, expected: f64) {
+        assert!(
+            (found / expected - 1.0).abs() < 1e-3,
+            "{found}, not {expected}"
+        );
+    }
+
+    #[test]
+    fn rims_of_faces_have_their_area_and_length_from_any_place() {
+        let block = ImplicitShape::Box {
+            half_extents_m: [3e-3, 5e-3, 1e-3],
+        };
+        let edges = block.features().edges;
+        for place in [[0.0, 0.0, -1e-3], [2e-3, -3e-3, -1e-3], [1e-3, 1e-3, 1e-3]] {
+            let (area_m2, length_m) = measured(&edges, place);
+            near(area_m2, 60e-6);
+            near(length_m, 32e-3);
+        }
+        let rod = ImplicitShape::Cylinder {
+            radius_m: 4e-3,
+            half_length_m: Some(0.02),
+        };
+        let edges = rod.features().edges;
+        for place in [[0.0, 0.0, 0.02], [2e-3, -1e-3, 0.02], [-1e-3, 3e-3, -0.02]] {
+            let (area_m2, length_m) = measured(&edges, place);
+            near(area_m2, PI * 16e-6);
+            near(length_m, TAU * 4e-3);
+        }
+    }
+
+    #[test]
+    fn a_box_reaches_as_far_as_its_nearest_side() {
+        let bounds = (Point3::new(-1.0, -2.0, -3.0), Point3::new(4.0, 5.0, 6.0));
+        let room = |way: [f64; 3]| room_m(&bounds, &Point3::origin(), &way.into());
+        assert_eq!(room([1.0, 0.0, 0.0]), 4.0);
+        assert_eq!(room([-1.0, 0.0, 0.0]), 1.0);
+        assert_eq!(room([0.0, -0.6, 0.8]), 2.0 / 0.6);
+    }
+}

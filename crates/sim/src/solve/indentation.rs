@@ -28,7 +28,7 @@ use std::f64::consts::PI;
 /// a₀ over the side of a cube of the net.
 pub const PATCH: f64 = 6.0 * PI / 25.0 * 1.06;
 /// a₀ over the spans of a net whose control points are coordinates: it shows waves up to the length of two
-/// spans as they are. Measured: slabs of 8 to 16 spans then have 0.9 to 1.1 times Hertz' force.
+/// spans as they are. Measured: slabs of 8 to 16 spans then have 0.9 to 1.16 times Hertz' force.
 pub const PATCH_OF_SMOOTH: f64 = 0.57 * PATCH;
 /// Sum of the squares of a place's weights at a control point of a cubic net.
 const AT_NODE: f64 = 0.25;
@@ -37,8 +37,8 @@ const IN_CELL: f64 = 0.2117;
 /// How much more the net gives way where these are larger. Measured: without it a ball on slabs of 8 and 16 spans
 /// has 4 and 10 % more force in a cell than on a node, with it 1 %.
 pub const FOCUS: f64 = 0.6;
-/// The same of a net whose control points are coordinates. Measured: without it a ball on slabs of 8 to 16 spans has 8 to
-/// 30 % more force in a cell than on a node.
+/// As [`FOCUS`], for a net whose control points are coordinates. Measured: without it a ball on slabs of 8 to 16 spans has
+/// 8 to 30 % more force in a cell than on a node.
 pub const FOCUS_OF_SMOOTH: f64 = 1.9;
 /// Patches smaller than this, relative to a₀, count as if they were so large: below it, force and depth
 /// are proportional, so that first touch has a finite stiffness.
