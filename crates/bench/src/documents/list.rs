@@ -146,7 +146,7 @@ pub(super) fn tables() -> Vec<Table> {
             ..rows_at(
                 Effort::Quick,
                 "motion",
-                "docs/deformation.md",
+                "docs/figures.md",
                 &[Rows(
                     Suite::Deformation,
                     &[
@@ -172,7 +172,7 @@ pub(super) fn tables() -> Vec<Table> {
             ..rows_at(
                 Effort::Quick,
                 "theory",
-                "docs/deformation.md",
+                "docs/figures.md",
                 &[Rows(Suite::Deformation, &[("theory/*", "*")])],
                 &[Error, Note],
                 &["crates/bench/src/deformation/theory.rs"],
