@@ -5,6 +5,7 @@
 //! has moved: bounds, points, tree. "Cold" is a tool anywhere near, "warm" a rigid body and a tool
 //! that wanders.
 
+mod cones;
 mod inputs;
 mod methods;
 mod oracle;
@@ -84,6 +85,7 @@ pub fn contact(effort: Effort, cases: Cases<'_>, out: &mut dyn FnMut(Row)) {
     if cases.are_chosen() {
         suite.still(&wanted);
     }
+    suite.cones(&wanted);
     for percent in AREAS {
         for name in ["", "/sphere", "/plane"] {
             let case = format!("flat/{percent}{name}");

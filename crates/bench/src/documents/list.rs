@@ -171,6 +171,17 @@ pub(super) fn tables() -> Vec<Table> {
             of_simulation: true,
             ..rows_at(
                 Effort::Quick,
+                "cones",
+                "docs/figures.md",
+                &[Rows(Suite::Contact, &[("cones/*", "*")])],
+                &[Error, Note],
+                &["crates/bench/src/contact/cones.rs"],
+            )
+        },
+        Table {
+            of_simulation: true,
+            ..rows_at(
+                Effort::Quick,
                 "theory",
                 "docs/figures.md",
                 &[Rows(Suite::Deformation, &[("theory/*", "*")])],
