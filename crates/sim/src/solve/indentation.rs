@@ -562,9 +562,22 @@ mod tests {
     }
 
     #[test]
+    fn a_flat_face_goes_in_as_forces_do_in_one_place_or_many() {
+        let face = Touch {
+            flat_1_m: 100.0,
+            share: 0.25,
+            ..touch(Profile::default())
+        };
+        for force_n in [1e-6, 1.0, 1e3] {
+            let off = deep(&face, force_n) / (100.0 / (2.0 * 20e3) * force_n) - 1.0;
+            assert!(off.abs() < 1e-12, "{force_n} N: {off}");
+        }
+    }
+
+    #[test]
     fn what_does_not_stand_off_and_no_solid_have_none() {
         let flat = touch(Profile::default());
-        assert_eq!(Indentation::of(&flat, 1.0), Indentation::default());
+        assert_eq!(deep(&flat, 1.0), 0.0);
         let nowhere = Touch {
             place: Resolution::default(),
             ..touch(SHAPES[1])
