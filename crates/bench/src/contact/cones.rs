@@ -310,10 +310,10 @@ fn face(side: usize, random: &mut Random) -> Cones {
             matrix.add_isotropic(i, j, gives);
         }
     }
-    // Some of it sticks.
+    // All of it presses, and some of it sticks.
     let mut free = |_: &[f64; 2]| {
-        let [x, z] = [2e-4, 1e-3].map(|most_m| most_m * random.unit());
-        Vector3::new(x, 0.5 * x, -z)
+        let x = 2e-4 * random.unit();
+        Vector3::new(x, 0.5 * x, -1e-3 * random.float(0.95, 1.0))
     };
     Cones {
         normals: vec![Vector3::z(); count],

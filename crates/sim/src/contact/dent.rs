@@ -31,6 +31,7 @@ pub(super) fn touch(search: &mut Search<'_>, p: usize, t: usize, pose: &Pose) {
         return;
     }
     let (shape, surface) = (&scene.tools[t].shape, &bodies[pair.body].surface);
+    let has_edges = shape.features().is_some();
     let mut warm = (warm.of_pair(p))
         .filter(|old| !old.id.key.is_anchor())
         .peekable();
@@ -46,15 +47,15 @@ pub(super) fn touch(search: &mut Search<'_>, p: usize, t: usize, pose: &Pose) {
         deep_m = deep_m.max(-row.now_m);
         let (controls, weights) = rows.weights_in(row.on_body);
         let resolution = Resolution::blend(of_controls, controls, weights);
-        let outward = match shape.features() {
-            Some(_) => surface.normal(row.u, row.v),
-            None => row.normal,
+        let outward = |row: &Row| match has_edges {
+            true => surface.normal(row.u, row.v),
+            false => row.normal,
         };
-        touching.add((-row.gap_m).max(0.0), &resolution, row, &outward);
+        touching.add((-row.gap_m).max(0.0), &resolution, row, outward);
         if let Some(old) = warm.next_if(|old| old.id == row.id) {
             force_n += old.force_n;
             carried_n += old.force_n;
-            carrying.add(old.force_n, &resolution, row, &outward);
+            carrying.add(old.force_n, &resolution, row, outward);
             if old.force_n > 0.0 && count < forces.len() {
                 forces[count] = (row.point, old.force_n);
                 count += 1;
@@ -259,7 +260,18 @@ struct Place {
 }
 
 impl Place {
-    fn add(&mut self, share: f64, resolution: &Resolution, row: &Row, outward: &Vector3) {
+    /// `outward`: of the body's surface at a row, on either side.
+    fn add(
+        &mut self,
+        share: f64,
+        resolution: &Resolution,
+        row: &Row,
+        outward: impl Fn(&Row) -> Vector3,
+    ) {
+        if share == 0.0 {
+            return;
+        }
+        let outward = outward(row);
         self.whole += share;
         self.resolution.add(share, resolution);
         self.point += row.point.coords * share;

@@ -12,8 +12,31 @@ use palpate_geometry::math::{Point3, Pose, Vector3};
 
 /// Measured: slabs with spans of 5 and 7.5 mm under punches of 4 and 8 mm then have their force.
 const WIDER: f64 = 0.66;
-/// Directions in which the rim is looked for.
-const DIRECTIONS: usize = 16;
+/// Cosines and sines of the directions in which the rim is looked for.
+const DIRECTIONS: [(f64, f64); 16] = {
+    // Of π / 8, π / 4 and 3 π / 8.
+    const A: f64 = 0.923_879_532_511_286_7;
+    const B: f64 = std::f64::consts::FRAC_1_SQRT_2;
+    const C: f64 = 0.382_683_432_365_089_8;
+    [
+        (1.0, 0.0),
+        (A, C),
+        (B, B),
+        (C, A),
+        (0.0, 1.0),
+        (-C, A),
+        (-B, B),
+        (-A, C),
+        (-1.0, 0.0),
+        (-A, -C),
+        (-B, -B),
+        (-C, -A),
+        (0.0, -1.0),
+        (C, -A),
+        (B, -B),
+        (A, -C),
+    ]
+};
 /// An edge that rises faster over a face is not its rim.
 const STEEPEST: f64 = 0.3;
 /// Cosines between its normal and the body's, between which a face comes to lie on the body.
@@ -67,9 +90,7 @@ pub(super) fn of(
     };
     let wider_m = WIDER * place.patch_m;
     let (mut shares, mut squares, mut own, mut wide) = (0.0, 0.0, 0.0, 0.0);
-    for k in 0..DIRECTIONS {
-        let angle = std::f64::consts::TAU * k as f64 / DIRECTIONS as f64;
-        let (sin, cos) = (libm::sin(angle), libm::cos(angle));
+    for (cos, sin) in DIRECTIONS {
         let rim = edges.iter().filter_map(|edge| frame.rim(edge, (cos, sin)));
         let Some(rim) = rim.min_by(|a, b| a.slope.total_cmp(&b.slope)) else {
             continue;
@@ -88,7 +109,7 @@ pub(super) fn of(
         return None;
     }
     let missing_1_m = (shares / own).sqrt() - (shares / wide).sqrt();
-    let share = lies.min(1.0) * squares / DIRECTIONS as f64;
+    let share = lies.min(1.0) * squares / DIRECTIONS.len() as f64;
     Some(Face {
         missing_1_m: share * missing_1_m,
         share,
@@ -234,6 +255,15 @@ mod tests {
             let (area_m2, length_m) = measured(&edges, place);
             near(area_m2, PI * 16e-6);
             near(length_m, TAU * 4e-3);
+        }
+    }
+
+    #[test]
+    fn directions_go_round() {
+        for (k, (cos, sin)) in DIRECTIONS.into_iter().enumerate() {
+            let angle = TAU * k as f64 / DIRECTIONS.len() as f64;
+            let off = libm::hypot(cos - libm::cos(angle), sin - libm::sin(angle));
+            assert!(off < 1e-15, "{k}: {off}");
         }
     }
 
