@@ -56,6 +56,8 @@ pub struct Solid<'a, M: Fn(usize) -> Material> {
     pub inside: Inside,
     /// What each cell is made of.
     pub material: M,
+    /// (cells): how much stiffer it is than that; empty where none is.
+    pub firmness: &'a [f64],
 }
 
 impl<'a, M: Fn(usize) -> Material> Solid<'a, M> {
@@ -77,6 +79,7 @@ impl<'a, M: Fn(usize) -> Material> Solid<'a, M> {
             enclosed_volume_m3,
             inside,
             material,
+            firmness: &[],
         }
     }
 
@@ -99,6 +102,7 @@ impl<'a, M: Fn(usize) -> Material> Solid<'a, M> {
             enclosed_volume_m3,
             inside,
             material,
+            firmness,
         } = self;
         let masses = cell_masses(
             grid,
@@ -109,9 +113,16 @@ impl<'a, M: Fn(usize) -> Material> Solid<'a, M> {
             young_pa: material(cell).young_pa,
             poisson: material(cell).poisson,
         };
-        let of_cells = || -> Vec<Elastic> { (0..grid.cells.len()).map(elastic).collect() };
+        let quality = grid.quality();
+        // As for masses.
+        let fill = enclosed_volume_m3 / quality.volume_m3;
+        let firm = |cell| Elastic {
+            young_pa: material(cell).young_pa * fill * firmness.get(cell).copied().unwrap_or(1.0),
+            ..elastic(cell)
+        };
+        let of_cells = || -> Vec<Elastic> { (0..grid.cells.len()).map(firm).collect() };
         let of_springs = |rule| {
-            let young_pa = |cell| material(cell).young_pa;
+            let young_pa = |cell| firm(cell).young_pa;
             let springs = springs::from_cells(grid, young_pa, rule);
             let law = MaterialLaw::springs(&springs, common.stiffening);
             law.with_barrier(VolumeBarrier::new(&grid.nodes, &grid.cells, young_pa))
@@ -134,7 +145,6 @@ impl<'a, M: Fn(usize) -> Material> Solid<'a, M> {
                 MaterialLaw::continuum(ContinuumLaw::in_patches(grid, &of_cells(), patch_of_cell)?)
             }
         };
-        let quality = grid.quality();
         let grains = grains(grid, &map, coordinates.len(), elastic);
         let blueprint = Blueprint {
             coordinates,
@@ -145,7 +155,7 @@ impl<'a, M: Fn(usize) -> Material> Solid<'a, M> {
             fixed,
             quality,
             cells: grid.cells.clone(),
-            young_pa: of_cells().iter().map(|elastic| elastic.young_pa).collect(),
+            young_pa: (0..grid.cells.len()).map(|cell| material(cell).young_pa).collect(),
             grains,
         };
         Deformable::new(blueprint, common.damping_s, common.plastic, settings)

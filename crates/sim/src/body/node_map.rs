@@ -105,6 +105,19 @@ impl NodeMap {
         }
     }
 
+    /// The coordinates of a node, with their weights.
+    pub fn each(&self, node: usize, mut f: impl FnMut(usize, f64)) {
+        match self {
+            Self::Same => f(node, 1.0),
+            Self::Sparse(map) => {
+                let (columns, weights) = map.row(node);
+                for (&column, &weight) in columns.iter().zip(weights) {
+                    f(column as usize, weight);
+                }
+            }
+        }
+    }
+
     /// How far a node moves at most where no coordinate moves by more than one.
     pub fn reach(&self) -> f64 {
         match self {

@@ -24,6 +24,20 @@ fn deviations(model: &str, layers: usize, refine: &str) -> [f64; 4] {
 }
 
 #[test]
+fn tmp_heights() {
+    for (model, layers, refine) in [("continuum", 4, "\"auto\""), ("net", 2, "\"auto\""), ("net", 4, "[16, 17]"), ("lattice", 4, "\"auto\""), ("continuum", 4, "[32, 33]"), ("continuum", 6, "[16, 17]"), ("continuum", 4, "[16, 17]"), ("continuum", 4, "{ focus = [[0.024, 0.003, 0.045]] }"), ("net", 2, "{ focus = [[0.024, 0.003, 0.045]] }"), ("net", 4, "\"auto\"")] {
+        for h in [0.015, 0.019] {
+            let text = teardrop(20e3, refine)
+                .replace("\"lattice\"", &format!("{model:?}"))
+                .replace("0.015", &format!("{h:?}"))
+                .replace("layers = 4", &format!("layers = {layers}"));
+            let forces = press_forces(&mut World::new(&text));
+            println!("{model} {layers} {refine} {h}: {:.4} {:+.1} %", forces[1], 100.0 * (forces[1] / REFERENCE_N[1] - 1.0));
+        }
+    }
+}
+
+#[test]
 fn light_touches_of_the_teardrop_have_the_forces_of_the_reference() {
     let focus = "{ focus = [[0.024, 0.003, 0.045]] }";
     // The lattice's own law and few layers of a net make the rest; without what nets do not show, these

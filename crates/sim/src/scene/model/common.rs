@@ -299,6 +299,7 @@ pub(super) fn solid<'s>(
         &coordinate_of_control,
         Some(&moves),
     );
+    let firmness = fixed::firmness(body, &grid.cells, &moves, &coordinates, &fixed);
     let of_cell = materials(body, &grid);
     Some(Box::new(move |settings| {
         let solid = Solid {
@@ -311,6 +312,7 @@ pub(super) fn solid<'s>(
             enclosed_volume_m3,
             inside,
             material: |cell: usize| of_cell[cell],
+            firmness: &firmness,
         };
         solid.build(&body.material, settings)
     }))

@@ -2,7 +2,7 @@
 
 use super::values::Held;
 use super::{Inputs, ModelSpec};
-use crate::body::{NodeMap, layers};
+use crate::body::{Cell, NodeMap, layers};
 use crate::scene::layout::layout;
 use crate::scene::spec::BuilderSpec;
 use palpate_geometry::contact::ToolShape;
@@ -47,9 +47,6 @@ pub(super) fn fixed(
     of_control: &[u32],
     moved: Option<&Moved<'_>>,
 ) -> Vec<bool> {
-    let Inputs {
-        held, placement, ..
-    } = body;
     let mut fixed = vec![false; coordinates.len()];
     let behind = |fixed: &mut Vec<bool>, point: Point3, normal: Vector3| {
         for (flag, place) in fixed.iter_mut().zip(coordinates) {
@@ -59,11 +56,12 @@ pub(super) fn fixed(
             moved.behind(&point, &normal, fixed);
         }
     };
-    for held in held {
+    for (point, normal) in planes(body) {
+        behind(&mut fixed, point, normal);
+    }
+    for held in &body.held {
         match *held {
-            Held::Behind { point, normal } => {
-                behind(&mut fixed, placement * point, placement * normal);
-            }
+            Held::Behind { .. } => (),
             Held::Range { u, v } => {
                 let within = |x: f64, [from, to]: [f64; 2]| x >= from && x <= to;
                 let (us, vs) = (surface.knots_u().greville(), surface.knots_v().greville());
@@ -86,17 +84,87 @@ pub(super) fn fixed(
             }
         }
     }
-    // A tool that cannot be built is reported where it stands.
-    for (tool, spec) in body.tools.iter().zip(&body.scene.tools) {
-        if let (true, Some(tool)) = (spec.fixes_nodes, tool)
-            && let ToolShape::Plane { normal } = tool.shape
-        {
-            let (at, turn) = tool.start;
-            behind(&mut fixed, at, turn * normal);
-        }
-    }
     fixed
 }
+
+/// The planes behind which a body is held: a point of each, and its normal.
+fn planes(body: &Inputs<'_>) -> Vec<(Point3, Vector3)> {
+    let placement = &body.placement;
+    let of_body = body.held.iter().filter_map(|held| match *held {
+        Held::Behind { point, normal } => Some((placement * point, placement * normal)),
+        Held::Range { .. } => None,
+    });
+    // A tool that cannot be built is reported where it stands.
+    let of_tools = (body.tools.iter().zip(&body.scene.tools)).filter_map(|(tool, spec)| {
+        match (spec.fixes_nodes, tool) {
+            (true, Some(tool)) => match tool.shape {
+                ToolShape::Plane { normal } => {
+                    let (at, turn) = tool.start;
+                    Some((at, turn * normal))
+                }
+                _ => None,
+            },
+            _ => None,
+        }
+    });
+    of_body.chain(of_tools).collect()
+}
+
+/// How much stiffer than what they are made of cells are that a plane cuts which holds the body: what gives way is their
+/// part in front of it, while their nodes give way from those that are held on.
+///
+/// Without it the force on the teardrop, held at 11 … 23 mm, rises in steps of 20 to 40 % where it should rise by 5 %
+/// for each millimetre.
+pub(super) fn firmness(
+    body: &Inputs<'_>,
+    cells: &[Cell],
+    moved: &Moved<'_>,
+    coordinates: &[Point3],
+    fixed: &[bool],
+) -> Vec<f64> {
+    let planes = planes(body);
+    let height_m = |point: &Point3| {
+        let of_plane = |(at, normal): &(Point3, Vector3)| (point - at).dot(normal);
+        planes.iter().map(of_plane).fold(f64::INFINITY, f64::min)
+    };
+    if planes.is_empty() {
+        return vec![1.0; cells.len()];
+    }
+    // Of smooth coordinates, those beside them make what is held give way.
+    let (ahead, bent) = match (body.spec.model(), body.spec.lattice.cells_per_span) {
+        (ModelSpec::Net, per_span) => ((1.0 - (per_span as f64).powi(-2)) / 3.0, BENT),
+        _ => (0.0, 1.0),
+    };
+    let of_cell = |cell: &Cell| {
+        let (mut held, mut free) = ((0.0, 0.0), (0.0, 0.0));
+        let mut add = |coordinate: usize, weight: f64| {
+            let to = if fixed[coordinate] { &mut held } else { &mut free };
+            to.0 += weight;
+            to.1 += weight * height_m(&coordinates[coordinate]);
+        };
+        for &node in cell {
+            moved.map.each(node as usize, &mut add);
+        }
+        if held.0 <= LEAST * (held.0 + free.0) || free.0 <= 0.0 {
+            return 1.0;
+        }
+        let (held_m, free_m) = (held.1 / held.0, free.1 / free.0);
+        let from_m = held_m - ahead * (free_m - held_m);
+        let longer = (free_m - from_m) / free_m;
+        match free_m > held_m {
+            true => longer.clamp(1.0 / FIRMEST, FIRMEST).powf(bent),
+            false => 1.0,
+        }
+    };
+    cells.iter().map(of_cell).collect()
+}
+
+/// The share of a cell's nodes that must be held.
+const LEAST: f64 = 0.1;
+/// The firmest cell, relative to its material.
+const FIRMEST: f64 = 10.0;
+/// Where cells of smooth coordinates are firmer, so is what bends behind them.
+const BENT: f64 = 0.87;
 
 /// Holds what lies below held control points: through the whole thickness of a sheet, and in a body
 /// with an axis the section within a ring that is held all around. Held by its skin alone, a beam
