@@ -155,7 +155,9 @@ impl<'a, M: Fn(usize) -> Material> Solid<'a, M> {
             fixed,
             quality,
             cells: grid.cells.clone(),
-            young_pa: (0..grid.cells.len()).map(|cell| material(cell).young_pa).collect(),
+            young_pa: (0..grid.cells.len())
+                .map(|cell| material(cell).young_pa)
+                .collect(),
             grains,
         };
         Deformable::new(blueprint, common.damping_s, common.plastic, settings)

@@ -24,34 +24,19 @@ fn deviations(model: &str, layers: usize, refine: &str) -> [f64; 4] {
 }
 
 #[test]
-fn tmp_heights() {
-    for (model, layers, refine) in [("continuum", 4, "\"auto\""), ("net", 2, "\"auto\""), ("net", 4, "[16, 17]"), ("lattice", 4, "\"auto\""), ("continuum", 4, "[32, 33]"), ("continuum", 6, "[16, 17]"), ("continuum", 4, "[16, 17]"), ("continuum", 4, "{ focus = [[0.024, 0.003, 0.045]] }"), ("net", 2, "{ focus = [[0.024, 0.003, 0.045]] }"), ("net", 4, "\"auto\"")] {
-        for h in [0.015, 0.019] {
-            let text = teardrop(20e3, refine)
-                .replace("\"lattice\"", &format!("{model:?}"))
-                .replace("0.015", &format!("{h:?}"))
-                .replace("layers = 4", &format!("layers = {layers}"));
-            let forces = press_forces(&mut World::new(&text));
-            println!("{model} {layers} {refine} {h}: {:.4} {:+.1} %", forces[1], 100.0 * (forces[1] / REFERENCE_N[1] - 1.0));
-        }
-    }
-}
-
-#[test]
 fn light_touches_of_the_teardrop_have_the_forces_of_the_reference() {
     let focus = "{ focus = [[0.024, 0.003, 0.045]] }";
-    // The lattice's own law and few layers of a net make the rest; without what nets do not show, these
-    // are +77 … −1 %.
+    // Without what nets do not show, these are +77 … −1 %; held by whole coordinates, −14 … +3 %.
     for (model, layers, refine, most) in [
         ("lattice", 4, "\"auto\"", 0.06),
-        ("lattice", 4, focus, 0.14),
-        ("continuum", 4, "\"auto\"", 0.07),
-        ("continuum", 4, focus, 0.09),
+        ("lattice", 4, focus, 0.11),
+        ("continuum", 4, "\"auto\"", 0.06),
+        ("continuum", 4, focus, 0.05),
         ("continuum", 6, "\"auto\"", 0.06),
-        ("continuum", 6, focus, 0.06),
-        ("net", 2, "\"auto\"", 0.16),
-        ("net", 2, focus, 0.14),
-        ("net", 4, "\"auto\"", 0.1),
+        ("continuum", 6, focus, 0.05),
+        ("net", 2, "\"auto\"", 0.06),
+        ("net", 2, focus, 0.07),
+        ("net", 4, "\"auto\"", 0.05),
     ] {
         let off = deviations(model, layers, refine);
         assert!(off.iter().all(|off| off.abs() < most), "{model}: {off:?}");

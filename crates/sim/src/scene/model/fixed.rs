@@ -13,9 +13,7 @@ use palpate_geometry::surface::{ClosestSolver, Surface};
 /// are found.
 const FOUND: f64 = 1e-6;
 
-/// A coordinate is held with this share of the nodes that it moves. Smooth coordinates that are held reach
-/// their full stiffness only a span farther in; at a half, a `net` on the teardrop was 15 to 30 %
-/// too soft, at a twentieth up to 30 % too stiff.
+/// A coordinate is held with this share of the nodes that it moves: smooth ones up to half a span in front of a plane.
 const HELD: f64 = 0.1;
 
 /// What moves with a coordinate.
@@ -110,11 +108,11 @@ fn planes(body: &Inputs<'_>) -> Vec<(Point3, Vector3)> {
     of_body.chain(of_tools).collect()
 }
 
-/// How much stiffer than what they are made of cells are that a plane cuts which holds the body: what gives way is their
-/// part in front of it, while their nodes give way from those that are held on.
+/// How many times as stiff as their material cells are that stand between what a plane holds and what it does not: they
+/// give way from the coordinates that are held on, where only what is in front of the plane should.
 ///
-/// Without it the force on the teardrop, held at 11 … 23 mm, rises in steps of 20 to 40 % where it should rise by 5 %
-/// for each millimetre.
+/// Without it the force on the teardrop, held up to 11 … 23 mm, rises by steps of 20 to 40 % where it should rise by
+/// 5 % for each millimetre.
 pub(super) fn firmness(
     body: &Inputs<'_>,
     cells: &[Cell],
@@ -130,29 +128,31 @@ pub(super) fn firmness(
     if planes.is_empty() {
         return vec![1.0; cells.len()];
     }
-    // Of smooth coordinates, those beside them make what is held give way.
-    let (ahead, bent) = match (body.spec.model(), body.spec.lattice.cells_per_span) {
-        (ModelSpec::Net, per_span) => ((1.0 - (per_span as f64).powi(-2)) / 3.0, BENT),
-        _ => (0.0, 1.0),
+    // Smooth coordinates give way beyond the last that is held, by this share of the distance between them.
+    let ahead = match body.spec.model() {
+        ModelSpec::Net => (1.0 - (body.spec.lattice.cells_per_span as f64).powi(-2)) / 3.0,
+        _ => 0.0,
     };
     let of_cell = |cell: &Cell| {
-        let (mut held, mut free) = ((0.0, 0.0), (0.0, 0.0));
-        let mut add = |coordinate: usize, weight: f64| {
-            let to = if fixed[coordinate] { &mut held } else { &mut free };
-            to.0 += weight;
-            to.1 += weight * height_m(&coordinates[coordinate]);
-        };
+        let mut held = Nearest::default();
+        let mut free = Nearest::default();
         for &node in cell {
-            moved.map.each(node as usize, &mut add);
+            moved.map.each(node as usize, |coordinate, weight| {
+                let to = if fixed[coordinate] {
+                    &mut held
+                } else {
+                    &mut free
+                };
+                to.add(weight, height_m(&coordinates[coordinate]));
+            });
         }
-        if held.0 <= LEAST * (held.0 + free.0) || free.0 <= 0.0 {
+        if held.whole <= LEAST * (held.whole + free.whole) || free.whole <= 0.0 {
             return 1.0;
         }
-        let (held_m, free_m) = (held.1 / held.0, free.1 / free.0);
-        let from_m = held_m - ahead * (free_m - held_m);
-        let longer = (free_m - from_m) / free_m;
-        match free_m > held_m {
-            true => longer.clamp(1.0 / FIRMEST, FIRMEST).powf(bent),
+        let (held_m, free_m) = (held.height_m(), free.height_m());
+        let length_m = (1.0 + ahead) * (free_m - held_m);
+        match length_m > 0.0 {
+            true => (length_m / free_m.max(0.0)).clamp(1.0 / FIRMEST, FIRMEST),
             false => 1.0,
         }
     };
@@ -163,8 +163,27 @@ pub(super) fn firmness(
 const LEAST: f64 = 0.1;
 /// The firmest cell, relative to its material.
 const FIRMEST: f64 = 10.0;
-/// Where cells of smooth coordinates are firmer, so is what bends behind them.
-const BENT: f64 = 0.87;
+
+/// The height of the coordinates that move a cell most.
+#[derive(Default)]
+struct Nearest {
+    whole: f64,
+    cubes: f64,
+    sum: f64,
+}
+
+impl Nearest {
+    fn add(&mut self, weight: f64, height_m: f64) {
+        let cube = weight * weight * weight;
+        self.whole += weight;
+        self.cubes += cube;
+        self.sum += cube * height_m;
+    }
+
+    fn height_m(&self) -> f64 {
+        self.sum / self.cubes
+    }
+}
 
 /// Holds what lies below held control points: through the whole thickness of a sheet, and in a body
 /// with an axis the section within a ring that is held all around. Held by its skin alone, a beam
