@@ -128,29 +128,36 @@ pub(super) fn firmness(
     if planes.is_empty() {
         return vec![1.0; cells.len()];
     }
-    // Smooth coordinates give way beyond the last that is held, by this share of the distance between them.
-    let ahead = match body.spec.model() {
+    // Nodes beside the last smooth coordinate that is held move with the next: matter gives way from this share of the
+    // distance between the two farther behind.
+    let behind = match body.spec.model() {
         ModelSpec::Net => (1.0 - (body.spec.lattice.cells_per_span as f64).powi(-2)) / 3.0,
         _ => 0.0,
     };
+    // (coordinates that are held): the lowest node that moves beside them, m; at the end of a body none does.
+    let mut lowest_m = vec![f64::INFINITY; coordinates.len()];
+    for (node, place) in moved.nodes.iter().enumerate() {
+        let (mut moves, height_m) = (false, height_m(place));
+        (moved.map).each(node, |c, weight| moves |= weight > 0.0 && !fixed[c]);
+        if moves {
+            (moved.map).each(node, |c, _| lowest_m[c] = lowest_m[c].min(height_m));
+        }
+    }
     let of_cell = |cell: &Cell| {
-        let mut held = Nearest::default();
-        let mut free = Nearest::default();
+        let (mut held, mut free) = (Nearest::default(), Nearest::default());
         for &node in cell {
-            moved.map.each(node as usize, |coordinate, weight| {
-                let to = if fixed[coordinate] {
-                    &mut held
-                } else {
-                    &mut free
-                };
-                to.add(weight, height_m(&coordinates[coordinate]));
+            moved.map.each(node as usize, |c, weight| {
+                let to = if fixed[c] { &mut held } else { &mut free };
+                to.add(weight, height_m(&coordinates[c]), lowest_m[c]);
             });
         }
         if held.whole <= LEAST * (held.whole + free.whole) || free.whole <= 0.0 {
             return 1.0;
         }
         let (held_m, free_m) = (held.height_m(), free.height_m());
-        let length_m = (1.0 + ahead) * (free_m - held_m);
+        let apart_m = free_m - held_m;
+        let ends = held.lowest_m > held_m + AT_END * apart_m;
+        let length_m = apart_m * (1.0 + if ends { 0.0 } else { behind });
         match length_m > 0.0 {
             true => (length_m / free_m.max(0.0)).clamp(1.0 / FIRMEST, FIRMEST),
             false => 1.0,
@@ -164,16 +171,31 @@ const LEAST: f64 = 0.1;
 /// The firmest cell, relative to its material.
 const FIRMEST: f64 = 10.0;
 
+/// No node moves so near to what is held, relative to the distance of what is not.
+const AT_END: f64 = 0.1;
+
 /// The height of the coordinates that move a cell most.
-#[derive(Default)]
 struct Nearest {
     whole: f64,
     cubes: f64,
     sum: f64,
+    lowest_m: f64,
+}
+
+impl Default for Nearest {
+    fn default() -> Self {
+        Self {
+            whole: 0.0,
+            cubes: 0.0,
+            sum: 0.0,
+            lowest_m: f64::INFINITY,
+        }
+    }
 }
 
 impl Nearest {
-    fn add(&mut self, weight: f64, height_m: f64) {
+    fn add(&mut self, weight: f64, height_m: f64, lowest_m: f64) {
+        self.lowest_m = self.lowest_m.min(lowest_m);
         let cube = weight * weight * weight;
         self.whole += weight;
         self.cubes += cube;
