@@ -72,18 +72,10 @@ impl BodySpec {
         self.model.unwrap_or(default)
     }
 
-    /// How many layers its cells have. The default is what meets the least wrong forces for its nodes: a 10 mm ball on
-    /// the teardrop, 1 to 4 mm deep, meets with two, three and four layers of `refine = "auto"` too much by −2 to −5, 0 to 6 and 6
-    /// to 8 % (`continuum`), −28 to −21, −4 to 3 and 7 to 13 % (`lattice`), 8 to 41, 22 to 60 and 40 to 79 % (`net`); a
-    /// slab of 30 mm as a `net` 78 to 201, 32 to 157 and 99 to 297 %.
+    /// How many layers its cells have. A 10 mm ball on the teardrop, 1 to 4 mm deep, has with two, three and four layers
+    /// of `refine = "auto"` +4, −3 and +5 % of force too much (`continuum`), −24, −6 and +6 (`lattice`), −5, −1 and −3 (`net`).
     pub fn layers(&self) -> usize {
-        let closed = self.lattice.thickness_m.is_none();
-        let default = if self.model() == ModelSpec::Net && closed {
-            2
-        } else {
-            3
-        };
-        self.lattice.layers.unwrap_or(default)
+        self.lattice.layers.unwrap_or(3)
     }
 }
 
@@ -275,7 +267,7 @@ pub struct LatticeSpec {
     #[cfg_attr(test, schemars(range(min = 1, max = 10_000)))]
     pub cycles: usize,
     /// Shells from the surface inwards, the surface included; for an open sheet, layers
-    /// through its thickness (2 or more). 3 when absent, and 2 in a closed `net`.
+    /// through its thickness (2 or more). 3 when absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(test, schemars(range(min = 1, max = 64)))]
     pub layers: Option<usize>,
@@ -452,8 +444,8 @@ pub enum MethodSpec {
     Auto,
 }
 
-/// `[[body.fixed]]`: the nodes on the far side of a plane (body frame), `normal · (x − point) <=
-/// 0`, or the control points of a range of parameters.
+/// `[[body.fixed]]`: what is on the far side of a plane (body frame), `normal · (x − point) <= 0`, or the control points
+/// of a range of parameters. A plane holds matter wherever it cuts the net.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(untagged, deny_unknown_fields)]
