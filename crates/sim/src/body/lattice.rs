@@ -114,10 +114,8 @@ impl<'a, M: Fn(usize) -> Material> Solid<'a, M> {
             poisson: material(cell).poisson,
         };
         let quality = grid.quality();
-        // As for masses.
-        let fill = enclosed_volume_m3 / quality.volume_m3;
         let firm = |cell| Elastic {
-            young_pa: material(cell).young_pa * fill * firmness.get(cell).copied().unwrap_or(1.0),
+            young_pa: material(cell).young_pa * firmness.get(cell).copied().unwrap_or(1.0),
             ..elastic(cell)
         };
         let of_cells = || -> Vec<Elastic> { (0..grid.cells.len()).map(firm).collect() };

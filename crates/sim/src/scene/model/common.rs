@@ -292,14 +292,14 @@ pub(super) fn solid<'s>(
         nodes: &grid.nodes,
         map: &map,
     };
-    let fixed = fixed::fixed(
+    let mut fixed = fixed::fixed(
         body,
         surface,
         &coordinates,
         &coordinate_of_control,
         Some(&moves),
     );
-    let firmness = fixed::firmness(body, &grid.cells, &moves, &coordinates, &fixed);
+    let firmness = fixed::firmness(body, &grid.cells, &moves, &coordinates, &mut fixed);
     let of_cell = materials(body, &grid);
     Some(Box::new(move |settings| {
         let solid = Solid {

@@ -113,12 +113,15 @@ fn planes(body: &Inputs<'_>) -> Vec<(Point3, Vector3)> {
 ///
 /// Without it the force on the teardrop, held up to 11 … 23 mm, rises by steps of 20 to 40 % where it should rise by
 /// 5 % for each millimetre.
+///
+/// Nodes so near to a plane that a cell would have to be firmer than [`FIRMEST`] are held as well, and the next cells are
+/// softer then.
 pub(super) fn firmness(
     body: &Inputs<'_>,
     cells: &[Cell],
     moved: &Moved<'_>,
     coordinates: &[Point3],
-    fixed: &[bool],
+    fixed: &mut [bool],
 ) -> Vec<f64> {
     let planes = planes(body);
     let height_m = |point: &Point3| {
@@ -127,6 +130,9 @@ pub(super) fn firmness(
     };
     if planes.is_empty() {
         return vec![1.0; cells.len()];
+    }
+    if let NodeMap::Same = moved.map {
+        hold_near(cells, coordinates, fixed, height_m);
     }
     // Nodes beside the last smooth coordinate that is held move with the next: matter gives way from this share of the
     // distance between the two farther behind.
@@ -166,10 +172,36 @@ pub(super) fn firmness(
     cells.iter().map(of_cell).collect()
 }
 
+/// Holds nodes in front of planes that are at most a part of 1 / [`FIRMEST`] of the way from what is held.
+fn hold_near(
+    cells: &[Cell],
+    nodes: &[Point3],
+    fixed: &mut [bool],
+    height_m: impl Fn(&Point3) -> f64,
+) {
+    let mut near = Vec::new();
+    for cell in cells {
+        let (mut sum_m, mut held) = (0.0, 0.0);
+        for &node in cell.iter().filter(|&&node| fixed[node as usize]) {
+            sum_m += height_m(&nodes[node as usize]);
+            held += 1.0;
+        }
+        let held_m = sum_m / held;
+        let of_cell = cell.iter().filter(|&&node| {
+            let free_m = height_m(&nodes[node as usize]);
+            held > 0.0 && !fixed[node as usize] && free_m * FIRMEST < free_m - held_m
+        });
+        near.extend(of_cell.map(|&node| node as usize));
+    }
+    for node in near {
+        fixed[node] = true;
+    }
+}
+
 /// The share of a cell's nodes that must be held.
 const LEAST: f64 = 0.1;
 /// The firmest cell, relative to its material.
-const FIRMEST: f64 = 10.0;
+const FIRMEST: f64 = 3.0;
 
 /// No node moves so near to what is held, relative to the distance of what is not.
 const AT_END: f64 = 0.1;
