@@ -129,7 +129,7 @@ pose = {{ position = [0.0, 0.0, 1.0] }}
 fn a_beam_held_behind_a_plane_bends_from_there_wherever_that_is() {
     let mut random = Random(4301);
     for (model, layers, counts, lattice, range) in [
-        ("continuum", 3, [14, 5], "", 1.0..1.04),
+        ("continuum", 3, [14, 5], "", 0.96..1.04),
         // As far off as where its nodes are held.
         ("lattice", 5, [21, 5], "", 0.9..0.97),
         ("net", 3, [14, 5], "", 1.0..1.09),

@@ -26,16 +26,19 @@ fn deviations(model: &str, layers: usize, refine: &str) -> [f64; 4] {
 #[test]
 fn light_touches_of_the_teardrop_have_the_forces_of_the_reference() {
     let focus = "{ focus = [[0.024, 0.003, 0.045]] }";
-    // Without what nets do not show, these are +77 … −1 %; held by whole coordinates, −14 … +3 %.
+    // Without what nets do not show, these are +77 … −1 %; held by whole coordinates, −14 … +3 %. A polygon of control
+    // points is larger than the body: 12 around make it 11 % stiffer in bending.
     for (model, layers, refine, most) in [
         ("lattice", 4, "\"auto\"", 0.06),
-        ("lattice", 4, focus, 0.11),
-        ("continuum", 4, "\"auto\"", 0.06),
-        ("continuum", 4, focus, 0.05),
-        ("continuum", 6, "\"auto\"", 0.06),
-        ("continuum", 6, focus, 0.05),
+        ("lattice", 4, focus, 0.08),
+        ("continuum", 3, "\"auto\"", 0.02),
+        ("continuum", 4, "\"auto\"", 0.05),
+        ("continuum", 4, focus, 0.08),
+        ("continuum", 6, "\"auto\"", 0.08),
+        ("continuum", 6, focus, 0.08),
         ("net", 2, "\"auto\"", 0.06),
-        ("net", 2, focus, 0.07),
+        ("net", 2, focus, 0.09),
+        ("net", 3, "\"auto\"", 0.05),
         ("net", 4, "\"auto\"", 0.05),
     ] {
         let off = deviations(model, layers, refine);
