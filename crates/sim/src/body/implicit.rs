@@ -146,7 +146,7 @@ impl ImplicitStep {
             iterations,
             limits: match &matter.law.continuum {
                 Some(law) => {
-                    let ahead = 1.0 + matter.damping_s / matter.settings.dt_s;
+                    let ahead = matter.voigt();
                     Limit::of_continuum(ahead, law.largest_poisson())
                 }
                 None => Limit::OF_SPRINGS,
@@ -467,7 +467,7 @@ impl ImplicitStep {
                 pull[c as usize] = *row;
             }
             let moved = matter.nodes_of(pull, nodes);
-            let share = 1.0 + matter.damping_s / matter.settings.dt_s;
+            let share = matter.voigt();
             let gaps = with_gaps.then_some(&implicit.gaps[..]);
             solid.press(&core.growth, moved, share, gaps, &mut implicit.pressures);
         }

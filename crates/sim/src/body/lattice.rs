@@ -169,22 +169,25 @@ fn grains(
     coordinates: usize,
     elastic: impl Fn(usize) -> Elastic,
 ) -> Vec<Grain> {
-    let (mut volumes, mut moduli) = (vec![0.0; grid.nodes.len()], vec![0.0; grid.nodes.len()]);
+    // Volumes, and moduli and ratios times volumes.
+    let mut sums = [(); 3].map(|()| vec![0.0; grid.nodes.len()]);
     for (c, cell) in grid.cells.iter().enumerate() {
         let Elastic { young_pa, poisson } = elastic(c);
         let share = grid.volume(cell) / 8.0;
         for &node in cell {
-            volumes[node as usize] += share;
-            moduli[node as usize] += share * young_pa / (1.0 - poisson * poisson);
+            let parts = [1.0, young_pa / (1.0 - poisson * poisson), poisson];
+            for (sum, part) in sums.iter_mut().zip(parts) {
+                sum[node as usize] += share * part;
+            }
         }
     }
-    let lumped = |of_nodes: &[f64]| map.lumped(of_nodes, coordinates);
-    let (volumes, moduli) = (lumped(&volumes), lumped(&moduli));
-    let grain = |(volume_m3, modulus): (f64, f64)| Grain {
-        volume_m3,
-        plane_modulus_pa: modulus / volume_m3,
+    let [volumes, moduli, ratios] = sums.map(|of_nodes| map.lumped(&of_nodes, coordinates));
+    let grain = |c: usize| Grain {
+        volume_m3: volumes[c],
+        plane_modulus_pa: moduli[c] / volumes[c],
+        poisson: ratios[c] / volumes[c],
     };
-    volumes.into_iter().zip(moduli).map(grain).collect()
+    (0..coordinates).map(grain).collect()
 }
 
 /// Most of the energy at the centres of the cells, a share at their Gauss points.

@@ -46,6 +46,8 @@ pub struct Grain {
     pub volume_m3: f64,
     /// E / (1 − ν²), Pa.
     pub plane_modulus_pa: f64,
+    /// ν.
+    pub poisson: f64,
 }
 
 /// A body without its step.
@@ -79,6 +81,11 @@ pub(super) struct Matter {
 }
 
 impl Matter {
+    /// 1 + d / dt: how much stiffer a Voigt solid is within a step.
+    pub fn voigt(&self) -> f64 {
+        1.0 + self.damping_s / self.settings.dt_s
+    }
+
     /// Takes a blueprint.
     ///
     /// # Errors

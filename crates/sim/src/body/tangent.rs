@@ -98,7 +98,7 @@ pub(super) fn firm(matter: &Matter) -> Firm {
 
 /// Adds what edges carry to blocks of the coordinates that can move.
 pub(super) fn add_edges(matter: &Matter, edges: &[(u32, u32, f64)], to: &mut BlockTriplets) {
-    let scale = 1.0 + matter.damping_s / matter.settings.dt_s;
+    let scale = matter.voigt();
     let mut scalar = SymmetricTriplets::new(to.n);
     let edges: Vec<_> = edges.iter().map(|&(a, b, k)| (a, b, k * scale)).collect();
     (matter.map).add_edges(&edges, |c| matter.unknown(c as usize), &mut scalar);

@@ -106,6 +106,8 @@ pub(super) fn touch(search: &mut Search<'_>, p: usize, t: usize, pose: &Pose) {
         beside_n: 0.0,
         point,
         less_m: pairs[p].less_m,
+        drawn_m: pairs[p].drawn_m,
+        mu: pair.friction.map_or(0.0, |friction| friction.mu),
     };
 }
 
@@ -169,7 +171,7 @@ pub(crate) fn settle(rows: &mut RowSet, solver: &mut Solver) {
         if dent.slope_m_n == 0.0 {
             continue;
         }
-        let block = dent.normal * dent.normal.transpose() * dent.slope_m_n;
+        let block = dent.block_m_n();
         for i in own.clone().filter(|&i| pushes(&rows[i])) {
             for j in (own.start..=i).filter(|&j| pushes(&rows[j])) {
                 matrix.add(i, j, &block);
@@ -229,6 +231,7 @@ fn pushes(row: &Row) -> bool {
 pub(crate) fn remember(rows: &RowSet, solver: &Solver, pairs: &mut [PairState]) {
     for (pair, touch) in pairs.iter_mut().zip(&solver.touches) {
         (pair.sunk_m, pair.patch_m) = (0.0, touch.place.patch_m);
+        pair.drawn_m = Vector3::zeros();
         if pair.patch_m == 0.0 {
             pair.less_m = 0.0;
         }
@@ -238,11 +241,11 @@ pub(crate) fn remember(rows: &RowSet, solver: &Solver, pairs: &mut [PairState]) 
         let along = |i: usize| {
             solver.force_n(i).dot(&rows.rows[i].normal) * rows.rows[i].normal.dot(&dent.normal)
         };
-        let force_n: f64 = own
-            .clone()
-            .filter(|&i| pushes(&rows.rows[i]))
-            .map(along)
-            .sum();
+        let pushing = || own.clone().filter(|&i| pushes(&rows.rows[i]));
+        let force_n: f64 = pushing().map(along).sum();
+        let whole_n: Vector3 = pushing().map(|i| solver.force_n(i)).sum();
+        let across_n = whole_n - dent.normal * whole_n.dot(&dent.normal);
+        pair.drawn_m = solver.touches[*p].left_m() - across_n * dent.across_m_n;
         pair.sunk_m = dent.offset_m + dent.slope_m_n * force_n;
         pair.less_m += EASE * (solver.touches[*p].less_under_m(force_n) - pair.less_m);
     }

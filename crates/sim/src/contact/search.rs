@@ -9,6 +9,7 @@ use crate::solve::indentation::Touch;
 use crate::solve::proxy::ProxyState;
 use crate::solve::rows::{RowSet, SampleInTouch};
 use palpate_geometry::contact::dispatch::Narrow;
+use palpate_geometry::math::Vector3;
 use palpate_geometry::stateful;
 use palpate_geometry::surface::WarmFoot;
 
@@ -47,6 +48,8 @@ pub struct PairState {
     pub patch_m: f64,
     /// By how much less it goes in where the net shows more than one place, m.
     pub less_m: f64,
+    /// How far friction drew the surface aside beyond what the body's net shows, less what the tool moved, m.
+    pub drawn_m: Vector3,
 }
 
 stateful!(PairState, |this, walk| {
@@ -66,6 +69,7 @@ stateful!(PairState, |this, walk| {
         sunk_m,
         patch_m,
         less_m,
+        drawn_m,
     } = this;
     let WarmFoot {
         u,
@@ -88,6 +92,7 @@ stateful!(PairState, |this, walk| {
     walk.float(sunk_m)?;
     walk.float(patch_m)?;
     walk.float(less_m)?;
+    walk.vector(drawn_m)?;
     for value in [u, v, budget_m, net_cost] {
         walk.float(value)?;
     }

@@ -9,6 +9,7 @@ use crate::party::BodyScratch;
 use crate::party::{ToolScratch, view};
 use crate::scene::{Body, Pair, Scene};
 use crate::solve::friction::{FrictionLaw, Stick};
+use crate::solve::indentation::Touch;
 use crate::solve::proxy::ProxyState;
 use crate::solve::rows::{Row, RowSet};
 use crate::solve::solver::Solver;
@@ -71,14 +72,14 @@ pub(crate) fn ball_target(
 }
 
 /// How far free motion takes a row past where it sticks, and where that is. `old`: the row in the
-/// last tick.
+/// last tick; `touch`: that of its pair.
 pub(crate) fn slip(
     scene: &Scene,
     tools: &[ToolScratch],
     bodies: &[BodyScratch],
     rows: &mut RowSet,
     row: &Row,
-    old: Option<&WarmRow>,
+    (old, touch): (Option<&WarmRow>, &Touch),
 ) -> (Vector3, Stick) {
     let stuck = old.filter(|old| !old.slips).map(|old| old.stick);
     match (row.law, row.tool()) {
@@ -95,16 +96,16 @@ pub(crate) fn slip(
                 tools[t].free_turn
             };
             let here = predicted(rows, body, parts, row.u, row.v);
-            let mut slip = row.slip;
+            let mut slip = row.slip + touch.drawn_m;
             if let Some(stick) = stuck {
                 let there = predicted(rows, body, parts, stick.u, stick.v);
                 slip = free - there - turn * stick.offset - row.forced;
                 if (here - there).norm() <= ROLLS * body.size_m {
-                    return (slip, stick);
+                    return (slip - touch.left_m(), stick);
                 }
             }
             (
-                slip,
+                slip - touch.left_m(),
                 Stick {
                     u: row.u,
                     v: row.v,

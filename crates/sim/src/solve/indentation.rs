@@ -61,6 +61,10 @@ pub fn of_layers(thick: f64) -> f64 {
 pub struct Resolution {
     /// E / (1 − ν²), Pa.
     pub plane_modulus_pa: f64,
+    /// By how much more a patch gives way across its normal than along it: (2 − ν) / (2 − 2 ν).
+    pub across: f64,
+    /// 1 + d / dt: how much stiffer damping makes it within a tick.
+    pub voigt: f64,
     /// a₀: radius over which a force on one place of the net spreads, m.
     pub patch_m: f64,
     /// How much of that is due to where between control points the place is.
@@ -91,6 +95,8 @@ impl Resolution {
     /// Adds a multiple of another.
     pub fn add(&mut self, share: f64, other: &Self) {
         self.plane_modulus_pa += share * other.plane_modulus_pa;
+        self.across += share * other.across;
+        self.voigt += share * other.voigt;
         self.patch_m += share * other.patch_m;
         self.focus += share * other.focus;
         self.curvature_1_m += share * other.curvature_1_m;
@@ -237,9 +243,17 @@ pub struct Indentation {
     pub offset_m: f64,
     /// m/N, no less than zero.
     pub slope_m_n: f64,
+    /// Across the normal within the tick, m/N; no less than zero.
+    pub across_m_n: f64,
 }
 
 impl Indentation {
+    /// How far a force takes the tool, m/N.
+    pub fn block_m_n(&self) -> Matrix3 {
+        let along = self.normal * self.normal.transpose();
+        along * self.slope_m_n + (Matrix3::identity() - along) * self.across_m_n
+    }
+
     /// Of a tool about its force, N, with those of others beside it as they were.
     pub fn of(touch: &Touch, force_n: f64) -> Self {
         let Touch {
@@ -284,6 +298,7 @@ impl Indentation {
             offset_m: offset_m + flat_m_n * beside_n,
             // A face is one place.
             slope_m_n: slope_m_n * share + flat_m_n,
+            across_m_n: touch.across_m_n(slope_m_n * share) / place.voigt,
         }
     }
 }
@@ -311,6 +326,10 @@ pub struct Touch {
     pub beside_n: f64,
     /// By how much less it goes in where the net shows more than one place, m.
     pub less_m: f64,
+    /// How far friction has drawn the surface aside beyond what the net shows, m.
+    pub drawn_m: Vector3,
+    /// Of friction.
+    pub mu: f64,
 }
 
 /// A force this many times that of the last tick is a hit.
@@ -320,6 +339,35 @@ impl Touch {
     /// What it pushed in one place in the last tick, N.
     pub fn in_place_n(&self) -> f64 {
         self.share * self.force_n
+    }
+
+    /// How far the surface is drawn aside by friction for each newton beyond what the net shows, at rest, m/N, where it
+    /// goes in by so much for each newton.
+    ///
+    /// A patch that is pressed with N by a ball slips from its rim on: it is drawn by
+    /// 3 µ N c / 2 (1 − (1 − T / (µ N))^⅔) under T (R. D. Mindlin, J. Appl. Mech. 16 (1949) 259). This is the mean of
+    /// that curve up to where it is drawn now.
+    fn across_m_n(&self, slope_m_n: f64) -> f64 {
+        if self.mu == 0.0 {
+            return 0.0;
+        }
+        let start_m_n = self.place.across * slope_m_n;
+        let whole_m = 1.5 * self.mu * self.force_n * start_m_n;
+        let share = self.drawn_m.norm() / whole_m;
+        if share.is_nan() || share < 1e-6 {
+            return start_m_n;
+        }
+        let share = share.min(1.0);
+        let stuck = 1.0 - share;
+        1.5 * start_m_n * share / (1.0 - stuck * stuck.sqrt())
+    }
+
+    /// How far it is still drawn aside at the end of the tick without a force, m: a Voigt solid creeps back.
+    pub fn left_m(&self) -> Vector3 {
+        match self.place.voigt {
+            voigt if voigt > 0.0 => self.drawn_m * (1.0 - 1.0 / voigt),
+            _ => Vector3::zeros(),
+        }
     }
 
     /// What is less than [`Self::less_m`] comes to under a force, m.

@@ -103,7 +103,9 @@ impl Balance<'_> {
             let row = self.rows.rows[i];
             let (slip, stuck) = match row.law.acts_across() {
                 true => {
-                    let (parts, old) = (&*self.tool_parts, self.warm.of_row(row.id));
+                    let parts = &*self.tool_parts;
+                    let touch = &self.solver.touches[row.id.pair as usize];
+                    let old = (self.warm.of_row(row.id), touch);
                     stick::slip(scene, parts, self.bodies, self.rows, &row, old)
                 }
                 false => Default::default(),

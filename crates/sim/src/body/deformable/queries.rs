@@ -147,6 +147,11 @@ impl Deformable {
         self.matter.grains.get(coordinate).copied()
     }
 
+    /// How much stiffer damping makes it within a step.
+    pub fn voigt(&self) -> f64 {
+        self.matter.voigt()
+    }
+
     /// Number of coordinates.
     pub fn coordinate_count(&self) -> usize {
         self.matter.rest.len()

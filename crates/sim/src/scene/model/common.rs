@@ -127,6 +127,8 @@ fn resolution(surface: &Surface, body: &Deformable, spec: &BodySpec) -> Vec<Reso
         let most = 1.0 / patch_m;
         Some(Resolution {
             plane_modulus_pa: grain.plane_modulus_pa,
+            across: (2.0 - grain.poisson) / (2.0 - 2.0 * grain.poisson),
+            voigt: body.voigt(),
             patch_m,
             focus,
             curvature_1_m: mean.max(-most).min(most),
