@@ -134,6 +134,10 @@ pub(super) fn firmness(
     if let NodeMap::Same = moved.map {
         hold_near(cells, coordinates, fixed, height_m);
     }
+    let firmest = match moved.map {
+        NodeMap::Same => FIRMEST,
+        NodeMap::Sparse(_) => FIRMEST_SMOOTH,
+    };
     // Nodes beside the last smooth coordinate that is held move with the next: matter gives way from this share of the
     // distance between the two farther behind.
     let behind = match body.spec.model() {
@@ -165,7 +169,7 @@ pub(super) fn firmness(
         let ends = held.lowest_m > held_m + AT_END * apart_m;
         let length_m = apart_m * (1.0 + if ends { 0.0 } else { behind });
         match length_m > 0.0 {
-            true => (length_m / free_m.max(0.0)).clamp(1.0 / FIRMEST, FIRMEST),
+            true => (length_m / free_m.max(0.0)).clamp(1.0 / firmest, firmest),
             false => 1.0,
         }
     };
@@ -202,6 +206,8 @@ fn hold_near(
 const LEAST: f64 = 0.1;
 /// The firmest cell, relative to its material.
 const FIRMEST: f64 = 3.0;
+/// The same, where nodes are sums of coordinates: none is held for being near.
+const FIRMEST_SMOOTH: f64 = 10.0;
 
 /// No node moves so near to what is held, relative to the distance of what is not.
 const AT_END: f64 = 0.1;
