@@ -1,7 +1,7 @@
 //! Models `lattice` and `continuum`, whole or reduced: point masses at the nodes of cells, with
 //! springs along their edges and face diagonals, or with the energy of an elastic solid in them.
 
-use super::cells::CellGrid;
+use super::cells::{Cell, CellGrid};
 use super::deformable::Deformable;
 use super::elements::MaterialLaw;
 use super::elements::continuum::{ContinuumError, ContinuumLaw, Elastic, VolumeBarrier};
@@ -59,6 +59,12 @@ pub struct Solid<'a, M: Fn(usize) -> Material> {
     /// (cells): how much stiffer it is than that; empty where none is.
     pub firmness: &'a [f64],
 }
+
+/// Share of the mean volume below which a cell whose nodes have run together is a sliver.
+const SLIVER: f64 = 0.05;
+/// Largest ratio of Poisson of a sliver. Around a pole there are more volumes to keep than nodes to move: nearly
+/// incompressible they jam, and turn over where the body swings (the tip of a teardrop at ν = 0.499).
+const OF_SLIVERS: f64 = 0.45;
 
 impl<'a, M: Fn(usize) -> Material> Solid<'a, M> {
     /// A solid whose nodes are its coordinates.
@@ -127,7 +133,11 @@ impl<'a, M: Fn(usize) -> Material> Solid<'a, M> {
         };
         let law = match inside {
             Inside::Springs(rule) => of_springs(rule),
-            Inside::Continuum => MaterialLaw::continuum(ContinuumLaw::new(grid, &of_cells())?),
+            Inside::Continuum => {
+                let mut of_cells = of_cells();
+                soften_slivers(grid, &mut of_cells);
+                MaterialLaw::continuum(ContinuumLaw::new(grid, &of_cells)?)
+            }
             Inside::FlatContinuum => flat_continuum(grid, &of_cells())?,
             Inside::FlatSprings => {
                 let like_springs = |of: Elastic| Elastic {
@@ -159,6 +169,18 @@ impl<'a, M: Fn(usize) -> Material> Solid<'a, M> {
             grains,
         };
         Deformable::new(blueprint, common.damping_s, common.plastic, settings)
+    }
+}
+
+/// Leaves slivers, small cells at a pole, a ratio of Poisson that they can keep.
+fn soften_slivers(grid: &CellGrid, elastic: &mut [Elastic]) {
+    let volumes: Vec<f64> = grid.cells.iter().map(|cell| grid.volume(cell)).collect();
+    let mean_m3 = volumes.iter().sum::<f64>() / volumes.len() as f64;
+    let runs_together = |cell: &Cell| (1..8).any(|k| cell[..k].contains(&cell[k]));
+    for ((cell, volume_m3), elastic) in grid.cells.iter().zip(volumes).zip(elastic) {
+        if volume_m3 < SLIVER * mean_m3 && runs_together(cell) {
+            elastic.poisson = elastic.poisson.min(OF_SLIVERS);
+        }
     }
 }
 

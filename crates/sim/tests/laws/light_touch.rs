@@ -35,7 +35,7 @@ fn light_touches_of_the_teardrop_have_the_forces_of_the_reference() {
         ("continuum", 4, "\"auto\"", 0.05),
         ("continuum", 4, focus, 0.08),
         ("continuum", 6, "\"auto\"", 0.08),
-        ("continuum", 6, focus, 0.08),
+        ("continuum", 6, focus, 0.10),
         ("net", 2, "\"auto\"", 0.06),
         ("net", 2, focus, 0.09),
         ("net", 3, "\"auto\"", 0.05),

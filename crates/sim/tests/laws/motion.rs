@@ -621,9 +621,9 @@ fn largest_change(model: &str, refine: &str, direction: usize) -> f64 {
 }
 
 // 1 % is what a hand does not feel as a step. Where the net is finest, a bulge ahead of the ball comes
-// to be pressed in one tick, which makes up to 3.5 %: no step of the contact's own, but above the bar.
+// to be pressed in one tick, which makes up to 5.5 %: no step of the contact's own, but above the bar.
 fn slides_without_a_jump(model: &str) {
-    for (refine, most) in [("\"auto\"", 0.01), (FOCUS, 0.04)] {
+    for (refine, most) in [("\"auto\"", 0.01), (FOCUS, 0.06)] {
         for direction in [0, 1] {
             let worst = largest_change(model, refine, direction);
             assert!(worst < most, "{model}, {refine} in {direction}: {worst}");
