@@ -97,10 +97,6 @@ const KNOWN: &[(&str, &str)] = &[
         "slabs that a tool has left creep at more than 0.1 µm/s for seconds, so that nine of a hundred are awake",
     ),
     (
-        "hard/squeezed/lattice/explicit",
-        "springs squeezed to a fifth turn over; damping looks less far ahead then, and for moments 7 % of the work comes from nowhere",
-    ),
-    (
         "hard/own-weight/lattice/implicit",
         "flat cells of springs sag more than twice as far as a free column of the material",
     ),
