@@ -435,6 +435,8 @@ mod tests {
             place: Resolution {
                 plane_modulus_pa: 20e3,
                 patch_m: 2e-3,
+                across: 1.0,
+                voigt: 1.0,
                 ..Resolution::default()
             },
             normal: Vector3::z(),

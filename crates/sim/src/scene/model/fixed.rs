@@ -45,18 +45,7 @@ pub(super) fn fixed(
     of_control: &[u32],
     moved: Option<&Moved<'_>>,
 ) -> Vec<bool> {
-    let mut fixed = vec![false; coordinates.len()];
-    let behind = |fixed: &mut Vec<bool>, point: Point3, normal: Vector3| {
-        for (flag, place) in fixed.iter_mut().zip(coordinates) {
-            *flag |= (place - point).dot(&normal) <= 0.0;
-        }
-        if let Some(moved) = moved {
-            moved.behind(&point, &normal, fixed);
-        }
-    };
-    for (point, normal) in planes(body) {
-        behind(&mut fixed, point, normal);
-    }
+    let mut fixed = behind(&planes(body), coordinates, moved);
     for held in &body.held {
         match *held {
             Held::Behind { .. } => (),
@@ -83,6 +72,24 @@ pub(super) fn fixed(
         }
     }
     fixed
+}
+
+/// Which coordinates planes hold.
+fn behind(
+    planes: &[(Point3, Vector3)],
+    coordinates: &[Point3],
+    moved: Option<&Moved<'_>>,
+) -> Vec<bool> {
+    let mut behind = vec![false; coordinates.len()];
+    for (point, normal) in planes {
+        for (flag, place) in behind.iter_mut().zip(coordinates) {
+            *flag |= (place - point).dot(normal) <= 0.0;
+        }
+        if let Some(moved) = moved {
+            moved.behind(point, normal, &mut behind);
+        }
+    }
+    behind
 }
 
 /// The planes behind which a body is held: a point of each, and its normal.
@@ -131,8 +138,13 @@ pub(super) fn firmness(
     if planes.is_empty() {
         return vec![1.0; cells.len()];
     }
+    // What ranges hold besides stands wherever it stands.
+    let mut behind = behind(&planes, coordinates, Some(moved));
     if let NodeMap::Same = moved.map {
-        hold_near(cells, coordinates, fixed, height_m);
+        hold_near(cells, coordinates, &mut behind, height_m);
+        for (flag, behind) in fixed.iter_mut().zip(&behind) {
+            *flag |= behind;
+        }
     }
     let firmest = match moved.map {
         NodeMap::Same => FIRMEST,
@@ -140,7 +152,7 @@ pub(super) fn firmness(
     };
     // Nodes beside the last smooth coordinate that is held move with the next: matter gives way from this share of the
     // distance between the two farther behind.
-    let behind = match body.spec.model() {
+    let gives_way = match body.spec.model() {
         ModelSpec::Net => (1.0 - (body.spec.lattice.cells_per_span as f64).powi(-2)) / 3.0,
         _ => 0.0,
     };
@@ -148,7 +160,7 @@ pub(super) fn firmness(
     let mut lowest_m = vec![f64::INFINITY; coordinates.len()];
     for (node, place) in moved.nodes.iter().enumerate() {
         let (mut moves, height_m) = (false, height_m(place));
-        (moved.map).each(node, |c, weight| moves |= weight > 0.0 && !fixed[c]);
+        (moved.map).each(node, |c, weight| moves |= weight > 0.0 && !behind[c]);
         if moves {
             (moved.map).each(node, |c, _| lowest_m[c] = lowest_m[c].min(height_m));
         }
@@ -157,7 +169,7 @@ pub(super) fn firmness(
         let (mut held, mut free) = (Nearest::default(), Nearest::default());
         for &node in cell {
             moved.map.each(node as usize, |c, weight| {
-                let to = if fixed[c] { &mut held } else { &mut free };
+                let to = if behind[c] { &mut held } else { &mut free };
                 to.add(weight, height_m(&coordinates[c]), lowest_m[c]);
             });
         }
@@ -167,7 +179,7 @@ pub(super) fn firmness(
         let (held_m, free_m) = (held.height_m(), free.height_m());
         let apart_m = free_m - held_m;
         let ends = held.lowest_m > held_m + AT_END * apart_m;
-        let length_m = apart_m * (1.0 + if ends { 0.0 } else { behind });
+        let length_m = apart_m * (1.0 + if ends { 0.0 } else { gives_way });
         match length_m > 0.0 {
             true => (length_m / free_m.max(0.0)).clamp(1.0 / firmest, firmest),
             false => 1.0,
@@ -176,29 +188,29 @@ pub(super) fn firmness(
     cells.iter().map(of_cell).collect()
 }
 
-/// Holds nodes in front of planes that are at most a part of 1 / [`FIRMEST`] of the way from what is held.
+/// Holds nodes in front of planes that are at most a part of 1 / [`FIRMEST`] of the way from what is held; none where that
+/// would hold all.
 fn hold_near(
     cells: &[Cell],
     nodes: &[Point3],
-    fixed: &mut [bool],
+    behind: &mut [bool],
     height_m: impl Fn(&Point3) -> f64,
 ) {
-    let mut near = Vec::new();
+    let mut near = behind.to_vec();
     for cell in cells {
         let (mut sum_m, mut held) = (0.0, 0.0);
-        for &node in cell.iter().filter(|&&node| fixed[node as usize]) {
+        for &node in cell.iter().filter(|&&node| behind[node as usize]) {
             sum_m += height_m(&nodes[node as usize]);
             held += 1.0;
         }
         let held_m = sum_m / held;
-        let of_cell = cell.iter().filter(|&&node| {
+        for &node in cell.iter().filter(|&&node| !behind[node as usize]) {
             let free_m = height_m(&nodes[node as usize]);
-            held > 0.0 && !fixed[node as usize] && free_m * FIRMEST < free_m - held_m
-        });
-        near.extend(of_cell.map(|&node| node as usize));
+            near[node as usize] |= held > 0.0 && free_m * FIRMEST < free_m - held_m;
+        }
     }
-    for node in near {
-        fixed[node] = true;
+    if !near.iter().all(|held| *held) {
+        behind.copy_from_slice(&near);
     }
 }
 
