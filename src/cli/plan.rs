@@ -3,7 +3,9 @@
 use super::Outcome;
 use super::pressing::Pressing;
 use palpate_sim::scene::Scene;
-use palpate_sim::tick::record::TickRecord;
+use palpate_sim::scene::file::Loaded;
+use palpate_sim::scene::spec::RefineSpec;
+use palpate_sim::tick::record::{TickInput, TickOutput, TickRecord};
 use palpate_sim::tick::{deform, hash, render, step};
 use std::path::PathBuf;
 use std::time::Instant;
@@ -15,10 +17,18 @@ pub struct Args {
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
+    /// Also press the scene with finer nets, and print how far its forces at rest are from theirs: what net and
+    /// layers get wrong, about.
+    #[arg(long)]
+    finer: bool,
 }
 
 /// Ticks that are run for a measured figure.
 const TICKS: usize = 300;
+/// Forces that change by no more than this share in so many ticks are at rest; looked at so often.
+const STILL: f64 = 1e-4;
+const REST_TICKS: usize = 100;
+const REST_ROUNDS: usize = 50;
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let loaded = super::scenes::load(&args.scene)?;
@@ -46,12 +56,22 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         stage.measured_us = Some(measured);
     }
     let findings = scene.findings();
+    let rest = args
+        .finer
+        .then(|| beside_finer(&loaded, &scene))
+        .transpose()?;
     if args.json {
         let mut plan = serde_json::to_value(&plan)?;
         plan["warnings"] = serde_json::to_value(&findings)?;
+        if let Some(rest) = &rest {
+            plan["rest"] = serde_json::to_value(rest)?;
+        }
         println!("{plan}");
     } else {
         print!("{plan}");
+        for tool in rest.iter().flatten() {
+            println!("  {tool}");
+        }
         for finding in &findings {
             println!("  note {}", loaded.told(finding));
         }
@@ -63,6 +83,108 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         );
     }
     Ok(Outcome::Ok)
+}
+
+/// Of a tool that rests in the body that it pressed.
+#[derive(serde::Serialize)]
+struct RestForce {
+    tool: String,
+    force_n: f64,
+    finer_n: f64,
+}
+
+impl std::fmt::Display for RestForce {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self {
+            tool,
+            force_n,
+            finer_n,
+        } = self;
+        write!(
+            f,
+            "tool {tool} at rest: {force_n:.4} N, with finer nets {finer_n:.4} N"
+        )?;
+        match *finer_n > 0.0 {
+            true => write!(f, " ({:+.1} % off)", 100.0 * (force_n / finer_n - 1.0)),
+            false => Ok(()),
+        }
+    }
+}
+
+/// Forces of tools that press bodies and rest there, beside those with nets half as fine again and one more layer.
+fn beside_finer(loaded: &Loaded, scene: &Scene) -> anyhow::Result<Vec<RestForce>> {
+    let mut finer = loaded.spec.clone();
+    for (b, body) in finer.bodies.iter_mut().enumerate() {
+        let Some(deformable) = scene.deformable(b) else {
+            continue;
+        };
+        let net = scene.rest_surface(b).net();
+        let counts = [net.rows(), net.columns()].map(|count| count + count.div_ceil(2));
+        body.lattice.refine = RefineSpec::Counts(counts);
+        if !deformable.cells().is_empty() {
+            body.lattice.layers = Some(body.layers() + 1);
+        }
+    }
+    let finer = Scene::build(&finer, &loaded.directory)
+        .map_err(|error| anyhow::anyhow!("with finer nets the scene cannot be built: {error}"))?;
+    let mut poses = Vec::new();
+    let forces = pressed(scene, |scene, input, step| {
+        let mut pressing = Pressing::new(scene);
+        while pressing.approach(input) {
+            poses.push(input.poses.clone());
+            pressing.felt(&step(input));
+        }
+    });
+    let finer = pressed(&finer, |_, input, step| {
+        for poses in &poses {
+            input.poses.clone_from(poses);
+            step(input);
+        }
+    });
+    let tools = forces.into_iter().zip(finer).enumerate();
+    let rest = tools.map(|(t, (force_n, finer_n))| RestForce {
+        tool: scene.tool_id(t).to_owned(),
+        force_n,
+        finer_n,
+    });
+    Ok(rest.collect())
+}
+
+/// Forces of tools, N, that went where `press` leads them, once they are at rest there.
+fn pressed(
+    scene: &Scene,
+    press: impl FnOnce(&Scene, &mut TickInput, &mut dyn FnMut(&TickInput) -> TickOutput),
+) -> Vec<f64> {
+    let mut state = scene.initial_state();
+    let mut scratch = scene.scratch(&state);
+    let TickRecord {
+        mut input,
+        mut output,
+        ..
+    } = TickRecord::for_tools(scene.tool_count());
+    press(scene, &mut input, &mut |input| {
+        step(scene, &mut state, &mut scratch, input)
+    });
+    let mut forces = vec![0.0; scene.tool_count()];
+    for _ in 0..REST_ROUNDS {
+        for _ in 0..REST_TICKS {
+            for pose in input.poses.as_mut_slice().iter_mut().flatten() {
+                pose.seq += 1;
+            }
+            output = step(scene, &mut state, &mut scratch, &input);
+        }
+        let now = output.tools.first(forces.len());
+        let now: Vec<f64> = now.map(|tool| tool.force_n.norm()).collect();
+        let still = forces
+            .iter()
+            .zip(&now)
+            .all(|(before, now)| (now - before).abs() <= STILL * now);
+        forces = now;
+        if still {
+            break;
+        }
+    }
+    forces
 }
 
 /// Medians of ticks in contact.

@@ -681,6 +681,40 @@ fn the_plan_measures_ticks_in_contact() {
     }
 }
 
+#[test]
+fn the_plan_compares_forces_at_rest_with_those_of_finer_nets() {
+    let directory = tempfile::tempdir().unwrap();
+    let slab = |layers: usize| {
+        let scene = format!(
+            "[[body]]\nid = \"gel\"\nsurface = {{ builtin = \"sheet\", net = [7, 7], size = 0.06 }}\n\
+             material = {{ young_pa = 20e3 }}\nlattice = {{ layers = {layers}, thickness_m = 0.02 }}\n\
+             fixed = [{{ point = [0.0, 0.0, -0.02], normal = [0.0, 0.0, 1.0] }}]\n\
+             [[tool]]\nid = \"ball\"\nshape = {{ sphere = {{ radius_m = 0.01 }} }}\n\
+             pose = {{ position = [0.0, 0.0, 0.02] }}\n"
+        );
+        std::fs::write(directory.path().join("s.toml"), scene).unwrap();
+    };
+    let off = |scene: &str| {
+        let output = palpate(directory.path(), &["plan", scene, "--finer", "--json"]);
+        assert_eq!(code(&output), 0, "{}", words(&output));
+        let plan: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let rest = &plan["rest"][0];
+        assert_eq!(rest["tool"], "ball");
+        let [force_n, finer_n] = ["force_n", "finer_n"].map(|key| rest[key].as_f64().unwrap());
+        assert!(force_n > 0.05, "{force_n} N");
+        force_n / finer_n - 1.0
+    };
+    // One layer of cells is too stiff under a ball of half its thickness.
+    slab(2);
+    let one_layer = off("s.toml");
+    slab(3);
+    let two_layers = off("s.toml");
+    assert!(one_layer > 0.1, "{one_layer}");
+    assert!(two_layers.abs() < 0.05, "{two_layers}");
+    // Nothing of a rigid body depends on its net.
+    assert_eq!(off("builtin:rigid-teardrop"), 0.0);
+}
+
 // --- files of scanners and of CAD
 
 #[test]
