@@ -17,8 +17,7 @@ pub struct Args {
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
-    /// Also press the scene with finer nets, and print how far its forces at rest are from theirs: what net and
-    /// layers get wrong, about.
+    /// Also press the scene with finer nets and one more layer, and print how far its forces at rest are from theirs.
     #[arg(long)]
     finer: bool,
 }
@@ -91,6 +90,8 @@ struct RestForce {
     tool: String,
     force_n: f64,
     finer_n: f64,
+    /// Both forces had come to rest, without a fault.
+    at_rest: bool,
 }
 
 impl std::fmt::Display for RestForce {
@@ -99,10 +100,16 @@ impl std::fmt::Display for RestForce {
             tool,
             force_n,
             finer_n,
+            at_rest,
         } = self;
+        let state = if *at_rest {
+            "at rest"
+        } else {
+            "not at rest yet"
+        };
         write!(
             f,
-            "tool {tool} at rest: {force_n:.4} N, with finer nets {finer_n:.4} N"
+            "tool {tool} {state}: {force_n:.4} N, with finer nets {finer_n:.4} N"
         )?;
         match *finer_n > 0.0 {
             true => write!(f, " ({:+.1} % off)", 100.0 * (force_n / finer_n - 1.0)),
@@ -127,34 +134,41 @@ fn beside_finer(loaded: &Loaded, scene: &Scene) -> anyhow::Result<Vec<RestForce>
     }
     let finer = Scene::build(&finer, &loaded.directory)
         .map_err(|error| anyhow::anyhow!("with finer nets the scene cannot be built: {error}"))?;
+    let mut pressing = Pressing::new(scene);
     let mut poses = Vec::new();
-    let forces = pressed(scene, |scene, input, step| {
-        let mut pressing = Pressing::new(scene);
-        while pressing.approach(input) {
-            poses.push(input.poses.clone());
-            pressing.felt(&step(input));
-        }
+    let coarse = pressed(scene, |input, output| {
+        pressing.felt(output);
+        let more = pressing.approach(input);
+        poses.push(input.poses.clone());
+        more
     });
-    let finer = pressed(&finer, |_, input, step| {
-        for poses in &poses {
-            input.poses.clone_from(poses);
-            step(input);
+    let mut poses = poses.into_iter().peekable();
+    let finer = pressed(&finer, |input, _| {
+        if let Some(next) = poses.next() {
+            input.poses = next;
         }
+        poses.peek().is_some()
     });
-    let tools = forces.into_iter().zip(finer).enumerate();
+    let tools = coarse.forces_n.into_iter().zip(finer.forces_n).enumerate();
     let rest = tools.map(|(t, (force_n, finer_n))| RestForce {
         tool: scene.tool_id(t).to_owned(),
         force_n,
         finer_n,
+        at_rest: coarse.at_rest && finer.at_rest,
     });
     Ok(rest.collect())
 }
 
-/// Forces of tools, N, that went where `press` leads them, once they are at rest there.
-fn pressed(
-    scene: &Scene,
-    press: impl FnOnce(&Scene, &mut TickInput, &mut dyn FnMut(&TickInput) -> TickOutput),
-) -> Vec<f64> {
+/// Forces of tools after a press.
+struct Pressed {
+    forces_n: Vec<f64>,
+    /// They had come to rest, without a fault.
+    at_rest: bool,
+}
+
+/// Presses until `next`, which gives the poses of a tick after the last one's output, says that all have arrived, and
+/// waits there until forces are at rest.
+fn pressed(scene: &Scene, mut next: impl FnMut(&mut TickInput, &TickOutput) -> bool) -> Pressed {
     let mut state = scene.initial_state();
     let mut scratch = scene.scratch(&state);
     let TickRecord {
@@ -162,29 +176,38 @@ fn pressed(
         mut output,
         ..
     } = TickRecord::for_tools(scene.tool_count());
-    press(scene, &mut input, &mut |input| {
-        step(scene, &mut state, &mut scratch, input)
-    });
-    let mut forces = vec![0.0; scene.tool_count()];
+    let mut sound = true;
+    while next(&mut input, &output) {
+        output = step(scene, &mut state, &mut scratch, &input);
+        sound &= output.fault.is_none();
+    }
+    let mut forces_n = vec![0.0; scene.tool_count()];
     for _ in 0..REST_ROUNDS {
         for _ in 0..REST_TICKS {
             for pose in input.poses.as_mut_slice().iter_mut().flatten() {
                 pose.seq += 1;
             }
             output = step(scene, &mut state, &mut scratch, &input);
+            sound &= output.fault.is_none();
         }
-        let now = output.tools.first(forces.len());
+        let now = output.tools.first(forces_n.len());
         let now: Vec<f64> = now.map(|tool| tool.force_n.norm()).collect();
-        let still = forces
+        let still = forces_n
             .iter()
             .zip(&now)
             .all(|(before, now)| (now - before).abs() <= STILL * now);
-        forces = now;
+        forces_n = now;
         if still {
-            break;
+            return Pressed {
+                forces_n,
+                at_rest: sound,
+            };
         }
     }
-    forces
+    Pressed {
+        forces_n,
+        at_rest: false,
+    }
 }
 
 /// Medians of ticks in contact.

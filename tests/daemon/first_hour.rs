@@ -700,6 +700,7 @@ fn the_plan_compares_forces_at_rest_with_those_of_finer_nets() {
         let plan: Value = serde_json::from_slice(&output.stdout).unwrap();
         let rest = &plan["rest"][0];
         assert_eq!(rest["tool"], "ball");
+        assert_eq!(rest["at_rest"], true);
         let [force_n, finer_n] = ["force_n", "finer_n"].map(|key| rest[key].as_f64().unwrap());
         assert!(force_n > 0.05, "{force_n} N");
         force_n / finer_n - 1.0

@@ -48,7 +48,7 @@ pub struct PairState {
     pub patch_m: f64,
     /// By how much less it goes in where the net shows more than one place, m.
     pub less_m: f64,
-    /// How far friction drew the surface aside beyond what the body's net shows, less what the tool moved, m.
+    /// How far friction drew the surface aside from under the tool beyond what the body's net shows, m.
     pub drawn_m: Vector3,
 }
 

@@ -328,7 +328,7 @@ pub struct Touch {
     pub less_m: f64,
     /// How far friction has drawn the surface aside beyond what the net shows, m.
     pub drawn_m: Vector3,
-    /// Of friction.
+    /// Coefficient of static friction; 0 without friction.
     pub mu: f64,
 }
 

@@ -76,10 +76,10 @@ fn peak(forces: &[(f64, bool)]) -> f64 {
         .fold(0.0, |most: f64, (f, _)| most.max(f.abs()))
 }
 
-/// Of the ticks that are not flagged.
-fn rms(given: &[(f64, bool)], exact: &[(f64, bool)]) -> f64 {
+/// Of the ticks that count.
+fn rms(given: &[(f64, bool)], exact: &[(f64, bool)], counts: impl Fn(&(f64, bool)) -> bool) -> f64 {
     let off = (given.iter().zip(exact))
-        .filter(|((_, flagged), _)| !flagged)
+        .filter(|(given, _)| counts(given))
         .map(|((a, _), (b, _))| (a - b) * (a - b));
     (off.sum::<f64>() / exact.len() as f64).sqrt() / peak(exact)
 }
@@ -104,13 +104,15 @@ fn a_fast_press_is_right_after_one_iteration_whatever_the_compressibility() {
             let exact = forces(12, depth_m);
             for iterations in [1, 2] {
                 let given = forces(iterations, depth_m);
-                let off = rms(&given, &exact);
+                let off = rms(&given, &exact, |_| true);
+                let quiet = rms(&given, &exact, |(_, flagged)| !flagged);
                 let flagged = given.iter().filter(|(_, flagged)| *flagged).count();
                 let end = given.last().unwrap().0 / exact.last().unwrap().0 - 1.0;
                 println!(
-                    "{model} {poisson}, {depth_m} m, {iterations} it: rms {:.2} %, end {:+.2} %, peak {:.3} N, \
+                    "{model} {poisson}, {depth_m} m, {iterations} it: rms {:.2} % (not flagged {:.2}), end {:+.2} %, peak {:.3} N, \
                      {flagged} flagged",
                     100.0 * off,
+                    100.0 * quiet,
                     100.0 * end,
                     peak(&given)
                 );
@@ -123,10 +125,14 @@ fn a_fast_press_is_right_after_one_iteration_whatever_the_compressibility() {
                 } else {
                     (0.02, most_end)
                 };
-                // The ball stops within a tick, and what it pressed flies on.
+                // The ball stops within a tick, and what it pressed flies on: a net takes a firmer matrix then, and says so.
+                let most_all = if model == "net" { most + 0.01 } else { most };
                 let most_flagged = given.len() / 6;
                 assert!(
-                    off < most && end.abs() < most_end && flagged <= most_flagged,
+                    quiet < most
+                        && off < most_all
+                        && end.abs() < most_end
+                        && flagged <= most_flagged,
                     "{model} {poisson} {iterations}: {off} {end} {flagged}"
                 );
             }

@@ -218,7 +218,7 @@ fn hold_near(
 const LEAST: f64 = 0.1;
 /// The firmest cell, relative to its material.
 const FIRMEST: f64 = 3.0;
-/// The same, where nodes are sums of coordinates: none is held for being near.
+/// The firmest cell of a body with smooth coordinates, which are not held for being near a plane.
 const FIRMEST_SMOOTH: f64 = 10.0;
 
 /// No node moves so near to what is held, relative to the distance of what is not.
