@@ -485,12 +485,7 @@ impl Keeper {
                 self.fail(error);
             }
             (Whose::Part { .. } | Whose::Recording { .. }, Err(error)) => {
-                tracing::error!(%error, "recording failed");
-                let reason = error.to_string();
-                self.refuse(asked, &reason);
-                self.tell(ArchiveNews::Failed { path, reason });
-                self.report.failure = Some(error);
-                self.want();
+                self.failed(path, asked, error);
             }
             (Whose::Snapshot { .. }, Err(error)) => self.refuse(asked, &error.to_string()),
             (Whose::Part { .. }, Ok(())) => {}
@@ -512,16 +507,22 @@ impl Keeper {
         }
     }
 
+    /// Tells that a recording failed, when the status already says so.
+    fn failed(&mut self, path: PathBuf, asked: Option<u64>, error: WriteError) {
+        tracing::error!(%error, "recording failed");
+        let reason = error.to_string();
+        self.report.failure = Some(error);
+        self.want();
+        self.refuse(asked, &reason);
+        self.tell(ArchiveNews::Failed { path, reason });
+    }
+
     /// The disk refused. The loop goes on without us; what was flushed stays readable.
     fn fail(&mut self, error: WriteError) {
         let Some(recording) = self.recording.take() else {
             return;
         };
-        tracing::error!(%error, "recording failed");
-        let (path, reason) = (recording.parts.path().to_owned(), error.to_string());
         self.bytes_before += recording.parts.bytes();
-        self.refuse(recording.asked, &reason);
-        self.tell(ArchiveNews::Failed { path, reason });
         if let Some(memory) = &mut self.memory {
             memory.push(&Arc::new(Message::event(
                 self.stream.last_tick(),
@@ -529,9 +530,8 @@ impl Keeper {
                 &error.to_string(),
             )));
         }
-        self.report.failure = Some(error);
+        self.failed(recording.parts.path().to_owned(), recording.asked, error);
         // Ticks go on coming, to be counted as lost.
-        self.want();
         self.wanted.store(self.generation.max(1), Ordering::Release);
     }
 
@@ -551,13 +551,7 @@ impl Keeper {
                 of: Whose::Recording { asked },
                 since: self.disk.now(),
             }),
-            Err(error) => {
-                tracing::error!(%error, "recording failed");
-                let reason = error.to_string();
-                self.refuse(asked, &reason);
-                self.tell(ArchiveNews::Failed { path, reason });
-                self.report.failure = Some(error);
-            }
+            Err(error) => self.failed(path, asked, error),
         }
         self.want();
     }
