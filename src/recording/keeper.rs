@@ -218,6 +218,11 @@ impl Keeper {
         }
         self.wanted
             .store(if any { self.generation } else { 0 }, Ordering::Release);
+        self.show();
+    }
+
+    /// Shows in the gauges what the thread is doing.
+    fn show(&self) {
         let state = match (&self.recording, &self.report.failure) {
             (Some(_), _) => keeping::RECORDING,
             (None, Some(_)) => keeping::FAILED,
@@ -486,6 +491,7 @@ impl Keeper {
             }
             (Whose::Part { .. } | Whose::Recording { .. }, Err(error)) => {
                 self.failed(path, asked, error);
+                self.want();
             }
             (Whose::Snapshot { .. }, Err(error)) => self.refuse(asked, &error.to_string()),
             (Whose::Part { .. }, Ok(())) => {}
@@ -507,12 +513,12 @@ impl Keeper {
         }
     }
 
-    /// Tells that a recording failed, when the status already says so.
+    /// Shows that a recording failed, and then tells: who hears of it finds it in the status.
     fn failed(&mut self, path: PathBuf, asked: Option<u64>, error: WriteError) {
         tracing::error!(%error, "recording failed");
         let reason = error.to_string();
         self.report.failure = Some(error);
-        self.want();
+        self.show();
         self.refuse(asked, &reason);
         self.tell(ArchiveNews::Failed { path, reason });
     }
