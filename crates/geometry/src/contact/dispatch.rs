@@ -350,6 +350,13 @@ impl Narrow {
         })
     }
 
+    /// From now on contacts of two bodies are manifolds, of those that are found on the surfaces themselves.
+    pub fn spread(&mut self) {
+        if let Query::Bodies(solver) = &mut self.query {
+            solver.spread();
+        }
+    }
+
     /// Contacts of two bodies, for a pair made with [`Party::Body`]; `known`: `reach.below` says on
     /// which side of a sheet the other body is. Returns the side of an open body on which a closed one touches it, +1 or
     /// −1; `None` where they do not touch, or only at the rim.

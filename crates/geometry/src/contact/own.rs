@@ -227,6 +227,7 @@ impl SelfSolver {
                 smooth: true,
             },
             normal: nb,
+            has_normal: true,
         };
         let h = jet(&a, &sounding).h;
         if !(h[0] > 0.0 && h[2] > 0.0 && h[0] * h[2] > h[1] * h[1]) {

@@ -24,6 +24,10 @@ const SUDDEN: f64 = 0.02;
 /// A contact this near to a foot of the last tick, relative to the size of the smaller body, is that foot.
 const SAME: f64 = 0.05;
 
+/// How much more than by its bodies a row between rigid ones that has carried gives way. Balance does not say how three
+/// and more rows share a force; so they do as springs of one stiffness would. What lies is in by this share of g dt².
+const EASE: f64 = 0.1;
+
 /// A body against another, the holder: every contact of both surfaces, and samples of each inside
 /// the other.
 pub(super) fn bodies(search: &mut Search<'_>, p: usize, other: usize) {
@@ -200,8 +204,14 @@ pub(super) fn bodies(search: &mut Search<'_>, p: usize, other: usize) {
             .filter(|_| views.iter().all(Option::is_none)),
         side: contacts.first().map_or(1.0, side_of),
     };
-    let warm = warm.rows();
-    meeting.push_feet(rows, contacts, warm);
+    // Rigid faces share what they bear.
+    let shares = views.iter().all(Option::is_none) && warm.of_pair(p).any(|row| row.force_n > 0.0);
+    meeting.push_feet(rows, contacts, warm.rows());
+    if shares {
+        rows.of_pair_mut()
+            .iter_mut()
+            .for_each(|row| row.ease = EASE);
+    }
 }
 
 /// A body against itself: the places where it meets itself from outside.

@@ -20,7 +20,7 @@ pub(crate) fn meet(scene: &Scene, rows: &mut [Row]) {
     let gravity = Vector3::from(scene.spec.gravity.acceleration);
     let rest_m_s = REST_M_S.max(REST_TICKS * scene.dt_s * gravity.norm());
     for row in rows {
-        let Some([body, holder]) = rigid_parties(scene, row) else {
+        let Some([body, holder]) = rigid_parties(scene, row.body as usize, row.holder) else {
             continue;
         };
         let restitution = scene.pairs[row.id.pair as usize].restitution;
@@ -34,6 +34,7 @@ pub(crate) fn meet(scene: &Scene, rows: &mut [Row]) {
         if let Some(parting_m_s) = parting_m_s.flatten() {
             // Contact closes this gap and so gives that change of speed.
             row.gap_m = -(meeting_m_s + parting_m_s) * scene.dt_s;
+            row.ease = 0.0;
         } else if row.now_m < -most_m {
             row.gap_m -= row.now_m + most_m;
         }
@@ -56,15 +57,20 @@ fn parting(restitution: f64, meeting_m_s: f64, now_m: f64, pull: f64, dt_s: f64)
 
 /// Two rigid bodies, one of them free.
 pub(crate) fn is_between_rigid(scene: &Scene, row: &Row) -> bool {
-    rigid_parties(scene, row).is_some()
+    are_rigid(scene, row.body as usize, row.holder)
 }
 
-/// The body and the holder of a row between two rigid bodies, of which one is free.
-fn rigid_parties<'s>(scene: &'s Scene, row: &Row) -> Option<[&'s Body; 2]> {
-    let Holder::Body(other) = row.holder else {
+/// A pair is of two rigid bodies.
+pub(crate) fn are_rigid(scene: &Scene, body: usize, holder: Holder) -> bool {
+    rigid_parties(scene, body, holder).is_some()
+}
+
+/// The body and the holder of a pair of two rigid bodies, of which one is free.
+fn rigid_parties(scene: &Scene, body: usize, holder: Holder) -> Option<[&Body; 2]> {
+    let Holder::Body(other) = holder else {
         return None;
     };
-    let parties = [row.body, other].map(|body| &scene.bodies[body as usize]);
+    let parties = [body, other as usize].map(|body| &scene.bodies[body]);
     let soft = parties.iter().any(|body| body.is_soft());
     (!soft).then_some(parties)
 }

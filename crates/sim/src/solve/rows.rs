@@ -196,6 +196,11 @@ impl RowSet {
         &self.rows[self.pair_start..]
     }
 
+    /// The rows of the present pair, to be changed.
+    pub fn of_pair_mut(&mut self) -> &mut [Row] {
+        &mut self.rows[self.pair_start..]
+    }
+
     /// Takes the rows of the present pair away.
     pub fn drop_pair(&mut self) {
         self.rows.truncate(self.pair_start);

@@ -1,6 +1,7 @@
 //! Buffers of a step, made anew from the state.
 
 use super::state::SceneState;
+use crate::contact::bounce;
 use crate::contact::near::Near;
 use crate::party::{BodyScratch, Party as _, Pipeline, ToolScratch};
 use crate::report::error::Errors;
@@ -77,8 +78,12 @@ impl Scratch {
 impl Scene {
     fn narrow(&self, pair: &Pair) -> Narrow {
         let party = pair.party(&self.tools, &self.bodies);
-        Narrow::new(&self.bodies[pair.body].surface, party, pair.method)
-            .unwrap_or_else(|e| unreachable!("the scene was built with a pair that has none: {e}"))
+        let mut narrow = Narrow::new(&self.bodies[pair.body].surface, party, pair.method)
+            .unwrap_or_else(|e| unreachable!("the scene was built with a pair that has none: {e}"));
+        if bounce::are_rigid(self, pair.body, pair.holder) {
+            narrow.spread();
+        }
+        narrow
     }
 
     /// Buffers for the steps of one simulation, prepared for `state`.

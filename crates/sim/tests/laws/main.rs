@@ -16,6 +16,7 @@ mod errors;
 mod examples;
 mod explained;
 mod extreme_input;
+mod faces;
 mod flags;
 mod free_rigid;
 mod friction;

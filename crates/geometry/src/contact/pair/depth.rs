@@ -28,7 +28,13 @@ pub(in crate::contact) struct Sounding {
     pub foot: Foot,
     /// Outward unit normal along which depth grows fastest downwards.
     pub normal: Vector3,
+    /// It is one: the foot is smooth, or the way to it long enough to be measured.
+    pub has_normal: bool,
 }
+
+/// A way shorter than this, relative to the size of the surface that it leads to, has no direction: feet at edges and
+/// poles are found to some 1e-9 of the size along the surface.
+const MEASURED: f64 = 1e-5;
 
 impl Below<'_> {
     fn sound(&self, query: &Point3, foot: Foot) -> Sounding {
@@ -41,14 +47,16 @@ impl Below<'_> {
         } else {
             -self.side * at.signed_distance
         };
-        let mut normal = at.normal * self.side;
-        if !foot.smooth && at.distance > 1e-9 * self.cells.whole.diagonal() {
-            normal = (query - at.point) * (-1.0 / depth_m);
-        }
+        let measured = at.distance > MEASURED * self.cells.whole.diagonal();
+        let normal = match foot.smooth || !measured {
+            true => at.normal * self.side,
+            false => (query - at.point) * (-1.0 / depth_m),
+        };
         Sounding {
             depth_m,
             foot,
             normal,
+            has_normal: foot.smooth || measured,
         }
     }
 

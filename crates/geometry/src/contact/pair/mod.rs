@@ -35,6 +35,7 @@ use self::facing::{Half, StationaryPair, face};
 use self::regions::{PairRegion, Regions};
 use self::tops::{Top, Upper};
 use super::{Contact, ContactSet, Reach, Rectangle, ToolPoint};
+use crate::math::Vector3;
 use crate::surface::{ClosestSolver, Surface};
 
 /// Most stationary pairs kept.
@@ -70,6 +71,8 @@ pub struct PairSolver {
     facing: Vec<StationaryPair>,
     /// The side of a sheet that the last query found in touch, +1 or −1.
     side: Option<f64>,
+    /// Queries answer with a manifold.
+    spreads: bool,
 }
 
 impl PairSolver {
@@ -85,9 +88,16 @@ impl PairSolver {
             touch: touch::Touch::new(tool_solver.pieces(tool).len()),
             facing: Vec::with_capacity(MOST_FACING),
             side: None,
+            spreads: false,
             body: body_cells,
             tool: tool_cells,
         }
+    }
+
+    /// From now on queries answer with a manifold: beside the deepest points, with others within the margin that span what
+    /// touches, at most eight of each surface.
+    pub fn spread(&mut self) {
+        self.spreads = true;
     }
 
     /// Every region with its deepest point, deepest first; gaps up to `reach.margin_m` as contacts
@@ -143,27 +153,12 @@ impl PairSolver {
         let size_m = self.body.whole.diagonal() + self.tool.whole.diagonal();
         for k in 0..self.on_body.found.len() {
             let PairRegion { top, .. } = self.on_body.found[k];
-            let foot = top.sounding.foot.at;
             let depth_m = top.sounding.depth_m;
             let sheet = (self.side.is_some()).then_some(body.surface);
             if sheet.is_some_and(|sheet| self.is_through(sheet, &top)) {
                 continue;
             }
-            push(
-                out,
-                size_m,
-                false,
-                Contact {
-                    u: top.u,
-                    v: top.v,
-                    on_body: top.point,
-                    on_tool: foot.point,
-                    normal: -top.sounding.normal,
-                    depth_m,
-                    tool_uv: Some([foot.u, foot.v]),
-                    point: ToolPoint::Found,
-                },
-            );
+            push(out, size_m, false, of_body(&top, body.surface));
             if depth_m >= -TOUCHING * size_m {
                 let [u, v] = self.on_body.extent(&self.body, k);
                 out.push_rectangle(Rectangle {
@@ -174,22 +169,18 @@ impl PairSolver {
         }
         for k in 0..self.on_tool.found.len() {
             let PairRegion { top, .. } = self.on_tool.found[k];
-            let foot = top.sounding.foot.at;
-            push(
-                out,
-                size_m,
-                true,
-                Contact {
-                    u: foot.u,
-                    v: foot.v,
-                    on_body: foot.point,
-                    on_tool: top.point,
-                    normal: top.sounding.normal,
-                    depth_m: top.sounding.depth_m,
-                    tool_uv: Some([top.u, top.v]),
-                    point: ToolPoint::Found,
-                },
-            );
+            push(out, size_m, true, of_tool(&top, tool.surface));
+        }
+        if self.spreads {
+            for top in &self.on_body.spread {
+                let sheet = (self.side.is_some()).then_some(body.surface);
+                if !sheet.is_some_and(|sheet| self.is_through(sheet, top)) {
+                    push(out, size_m, false, of_body(top, body.surface));
+                }
+            }
+            for top in &self.on_tool.spread {
+                push(out, size_m, false, of_tool(top, tool.surface));
+            }
         }
     }
 
@@ -221,6 +212,8 @@ impl PairSolver {
         self.facing.clear();
         self.on_body.found.clear();
         self.on_tool.found.clear();
+        self.on_body.spread.clear();
+        self.on_tool.spread.clear();
         if ![body, tool].into_iter().all(usable) {
             return;
         }
@@ -290,6 +283,9 @@ impl PairSolver {
             let pairs = self.facing.iter().copied();
             self.on_body
                 .find(&mut upper, &mut self.body, &mut below, pairs, margin_m);
+            if self.spreads {
+                (self.on_body).spread(&self.body, &mut below, margin_m, std::iter::empty());
+            }
         }
         let side = if self.tool.closed && !self.body.closed {
             self.side = self.side_of(body, known);
@@ -314,6 +310,10 @@ impl PairSolver {
         });
         self.on_tool
             .find(&mut upper, &mut self.tool, &mut below, pairs, margin_m);
+        if self.spreads {
+            let others = self.on_body.spread.iter().map(|top| top.point);
+            (self.on_tool).spread(&self.tool, &mut below, margin_m, others);
+        }
     }
 }
 
@@ -335,6 +335,46 @@ impl PairSolver {
         let side = self.side.unwrap_or(0.0);
         side * cosine(sheet, top) < -FACES && !on_rim(sheet, top)
     }
+}
+
+/// A place of the body below the tool, as a contact.
+fn of_body(top: &Top, body: &Surface) -> Contact {
+    let foot = top.sounding.foot.at;
+    Contact {
+        u: top.u,
+        v: top.v,
+        on_body: top.point,
+        on_tool: foot.point,
+        normal: -normal_of(top, body),
+        depth_m: top.sounding.depth_m,
+        tool_uv: Some([foot.u, foot.v]),
+        point: ToolPoint::Found,
+    }
+}
+
+/// A place of the tool below the body, as a contact.
+fn of_tool(top: &Top, tool: &Surface) -> Contact {
+    let foot = top.sounding.foot.at;
+    Contact {
+        u: foot.u,
+        v: foot.v,
+        on_body: foot.point,
+        on_tool: top.point,
+        normal: normal_of(top, tool),
+        depth_m: top.sounding.depth_m,
+        tool_uv: Some([top.u, top.v]),
+        point: ToolPoint::Found,
+    }
+}
+
+/// The normal below a place of a surface; at an edge or a pole that the place lies on, the one opposite to its own.
+fn normal_of(top: &Top, upper: &Surface) -> Vector3 {
+    let normal = top.sounding.normal;
+    if top.sounding.has_normal {
+        return normal;
+    }
+    let own = upper.normal(top.u, top.v);
+    own * if own.dot(&normal) > 0.0 { 1.0 } else { -1.0 }
 }
 
 /// Of the way out of a tool, and the normal of a sheet that is inside of it.

@@ -10,6 +10,11 @@ use crate::math::Point3;
 /// Depths within this of each other, relative to the size, are level: faces that lie on each other.
 const LEVEL: f64 = 1e-10;
 
+/// Most vertices of a manifold that one surface adds.
+const MOST_SPREAD: usize = 8;
+/// Points of a manifold closer than this, relative to the size of the surface, are one.
+const APART: f64 = 0.02;
+
 /// Most places of greatest depth kept for one surface.
 pub(super) const MOST_TOPS: usize = 64;
 
@@ -49,6 +54,8 @@ pub(super) struct Regions {
     flat_m: f64,
     tops: Vec<Top>,
     pub found: Vec<PairRegion>,
+    /// Vertices that span what touches beside the deepest places.
+    pub spread: Vec<Top>,
     /// Rows and columns of cells in a region.
     taken: [Vec<bool>; 2],
     /// (cells): in a region; and those whose neighbours are still to be looked at.
@@ -72,6 +79,7 @@ impl Regions {
             flat_m: 0.0,
             tops: Vec::with_capacity(MOST_TOPS),
             found: Vec::with_capacity(MOST_TOPS),
+            spread: Vec::with_capacity(MOST_SPREAD),
             taken: [vec![false; cells.counts[0]], vec![false; cells.counts[1]]],
             held: vec![false; cells.cell_count()],
             stack: Vec::with_capacity(cells.cell_count()),
@@ -399,6 +407,60 @@ impl Regions {
                 Some(_) => {}
                 None => self.found.push(PairRegion { top, root }),
             }
+        }
+    }
+
+    /// Finds vertices within the margin that span what touches: each as far as can be from `others` and those before it.
+    pub fn spread(
+        &mut self,
+        cells: &Cells,
+        below: &mut Below<'_>,
+        margin_m: f64,
+        others: impl Iterator<Item = Point3>,
+    ) {
+        self.spread.clear();
+        let apart_m = APART * cells.whole.diagonal();
+        // (vertices): how far from the nearest that is there already, squared.
+        self.best.fill(f64::INFINITY);
+        let points = &self.points;
+        let add = |best: &mut [f64], point: &Point3| {
+            for (away, vertex) in best.iter_mut().zip(points) {
+                *away = away.min((vertex - point).norm_squared());
+            }
+        };
+        for point in others {
+            add(&mut self.best, &point);
+        }
+        let tops = self.found.iter().map(|region| region.top.point);
+        for point in tops {
+            add(&mut self.best, &point);
+        }
+        while self.spread.len() < MOST_SPREAD {
+            let near = (0..cells.vertex_count()).filter(|&vertex| {
+                cells.alias[vertex] as usize == vertex
+                    && self.state[vertex] == State::Sounded
+                    && self.depth[vertex] >= -margin_m
+            });
+            let farthest =
+                near.max_by(|&a, &b| self.best[a].total_cmp(&self.best[b]).then(b.cmp(&a)));
+            let Some(vertex) = farthest.filter(|&vertex| self.best[vertex] > apart_m * apart_m)
+            else {
+                return;
+            };
+            let (point, foot) = (self.points[vertex], self.foot[vertex]);
+            add(&mut self.best, &point);
+            let sounding = below.follow(&point, foot.0, foot.1);
+            if sounding.depth_m < -margin_m {
+                continue;
+            }
+            let (u, v) = cells.parameters(vertex);
+            self.spread.push(Top {
+                u,
+                v,
+                point,
+                sounding,
+                summit: false,
+            });
         }
     }
 

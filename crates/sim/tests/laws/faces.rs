@@ -1,0 +1,159 @@
+//! Free rigid bodies with flat faces: how they slide, spin, lie and stand on each other.
+
+use crate::common::World;
+use palpate_geometry::math::{Point3, Vector3};
+use palpate_sim::tick::RigidMotion;
+
+const FAR: [f64; 3] = [5.0, 5.0, 5.0];
+const G: f64 = 9.81;
+
+/// Points of a body of revolution with flat ends and a rounded rim; its lower face lies in z = 0.
+fn puck_net(radius_m: f64, height_m: f64) -> String {
+    // Twelve points around: a cubic B-spline is inside of its polygon by this.
+    let out = 3.0 / (2.0 + libm::cos(std::f64::consts::PI / 6.0));
+    let rim = 0.025 * height_m;
+    let profile = [
+        (0.0, 0.0),
+        (0.6, 0.0),
+        (1.0, rim),
+        (1.05, 0.5 * height_m),
+        (1.0, height_m - rim),
+        (0.6, height_m),
+        (0.0, height_m),
+    ];
+    let rows: Vec<Vec<[f64; 3]>> = (0..12)
+        .map(|k| {
+            let angle = f64::from(k) * std::f64::consts::PI / 6.0;
+            let point = |&(part, z): &(f64, f64)| {
+                let r = out * part * radius_m;
+                [r * libm::cos(angle), r * libm::sin(angle), z]
+            };
+            profile.iter().map(point).collect()
+        })
+        .collect();
+    format!("{rows:?}")
+}
+
+/// A puck whose lower face is at a height.
+fn puck(id: &str, [radius_m, height_m]: [f64; 2], z: f64, density: f64, more: &str) -> String {
+    let u: Vec<f64> = (0..=12).map(|k| f64::from(k) / 12.0).collect();
+    format!(
+        "[[body]]\nid = \"{id}\"\nfree = true\nmaterial = {{ density_kg_m3 = {density:?} }}\npose = {{ position = [0.0, 0.0, {z:?}] }}\n\
+         {more}\n[body.surface.inline]\nformat = \"palpate.surface.v1\"\nunit = \"m\"\ndegree = [3, 3]\nperiodic = [true, false]\n\
+         knots = [{u:?}, [0.0, 0.0, 0.0, 0.0, 0.25, 0.5, 0.75, 1.0, 1.0, 1.0, 1.0]]\npoints = {}\n",
+        puck_net(radius_m, height_m)
+    )
+}
+
+const FLOOR: &str = "[[body]]\nid = \"floor\"\nsurface = { builtin = \"sheet\", size = 2.0 }\n";
+
+fn rub(a: &str, b: &str, mu: f64) -> String {
+    format!("[[contact]]\npair = [\"{a}\", \"{b}\"]\nfriction = {{ mu = {mu:?} }}\n")
+}
+
+/// On a floor that leans about y, under gravity.
+fn world(slope_rad: f64, bodies: &str) -> World {
+    World::new(&format!(
+        "[gravity]\nacceleration = [{:?}, 0.0, {:?}]\n{FLOOR}{bodies}\n[[tool]]\nid = \"far\"\nshape = {{ point = {{}} }}\n\
+         pose = {{ position = {FAR:?} }}\n",
+        G * libm::sin(slope_rad),
+        -G * libm::cos(slope_rad)
+    ))
+}
+
+fn motion(world: &World, body: usize) -> RigidMotion {
+    world.state.rigid_motion(&world.scene, body).unwrap()
+}
+
+/// Of its axis, rad.
+fn tilt(world: &World, body: usize) -> f64 {
+    let [a, b] = [0.0, 1.0].map(|z| {
+        world
+            .state
+            .carried_point(&world.scene, body, &Point3::new(0.0, 0.0, z))
+    });
+    let axis: Vector3 = b - a;
+    libm::atan2(axis.xy().norm(), axis.z)
+}
+
+const PUCK: [f64; 2] = [0.02, 0.02];
+
+#[test]
+fn a_puck_that_is_set_flush_slides_as_coulomb_says() {
+    for z in [0.0, 1e-7, 5e-5] {
+        let mut world = world(
+            0.0,
+            &format!(
+                "{}{}",
+                puck("p", PUCK, z, 1000.0, "velocity_m_s = [0.6, 0.0, 0.0]"),
+                rub("p", "floor", 0.1)
+            ),
+        );
+        let start = motion(&world, 1).centre;
+        let mut tilted = 0.0_f64;
+        for _ in 0..200 {
+            world.at_in_place(FAR);
+            tilted = tilted.max(tilt(&world, 1));
+        }
+        let now = motion(&world, 1);
+        println!(
+            "from {z} m: {:.3} mm, {:.4} m/s, tilt {tilted:.1e}",
+            1e3 * (now.centre - start).x,
+            now.velocity_m_s.x
+        );
+    }
+}
+
+#[test]
+fn a_puck_that_spins_is_stopped_by_friction() {
+    let mut world = world(
+        0.0,
+        &format!(
+            "{}{}",
+            puck("p", PUCK, 5e-5, 1000.0, "spin_rad_s = [0.0, 0.0, 5.0]"),
+            rub("p", "floor", 0.3)
+        ),
+    );
+    let mut stopped = None;
+    for k in 0..400 {
+        world.at_in_place(FAR);
+        let spin = motion(&world, 1).spin_rad_s.z;
+        if k % 10 == 0 && k < 120 {
+            println!("{k}: {spin:.4} rad/s");
+        }
+        if stopped.is_none() && spin.abs() < 0.01 {
+            stopped = Some(k);
+        }
+    }
+    println!("stopped after {stopped:?} ticks");
+}
+
+#[test]
+fn a_stack_of_pucks_rests() {
+    for count in [1, 2, 5] {
+        let ids: Vec<String> = (0..count).map(|k| format!("p{k}")).collect();
+        let mut text = String::new();
+        for (k, id) in ids.iter().enumerate() {
+            text += &puck(id, PUCK, 0.02002 * k as f64 + 2e-5, 1000.0, "");
+        }
+        text += &rub("p0", "floor", 0.3);
+        for pair in ids.windows(2) {
+            text += &rub(&pair[0], &pair[1], 0.3);
+        }
+        let mut world = world(0.0, &text);
+        let began = std::time::Instant::now();
+        let ticks = (0..1_500).find(|_| {
+            world.at_in_place(FAR);
+            (1..=count).all(|b| world.state.is_left_alone(b))
+        });
+        let took = began.elapsed().as_secs_f64() / ticks.unwrap_or(1_500) as f64;
+        let top = motion(&world, count);
+        println!(
+            "{count}: asleep after {ticks:?} ticks, {:.2} ms each; top at {} moves {:.1e} m/s, tilt {:.1e}",
+            1e3 * took,
+            top.centre,
+            top.velocity_m_s.norm(),
+            tilt(&world, count)
+        );
+    }
+}
