@@ -14,7 +14,7 @@ use crate::party::RigidStep;
 use crate::scene::Pair;
 use crate::solve::row_key::{FEET_OF_PAIR, RowKey};
 use crate::solve::rows::{DeformingView, RowSet};
-use palpate_geometry::contact::Contact;
+use palpate_geometry::contact::{Contact, ToolPoint};
 use palpate_geometry::math::Point3;
 
 /// Two bodies that meet: the pair's body first, then its holder.
@@ -36,6 +36,9 @@ pub(super) struct Meeting<'a> {
     /// +1, or −1 where the holder is below a sheet.
     pub side: f64,
 }
+
+/// Rows beyond which none is added to span a face.
+const SPANNED: usize = 9;
 
 /// Points of a free body closer than this, relative to what makes two contacts one foot, are one.
 const SAME_POINT: f64 = 0.1;
@@ -60,7 +63,26 @@ impl Meeting<'_> {
                 count += 1;
             }
         }
-        for contact in found.iter().take(MAX_FEET) {
+        let mut push =
+            |key: RowKey, contact: &Contact, points: &mut [Point3], pushed: &mut usize| {
+                let Self { views, steps, .. } = self;
+                push_between(
+                    rows,
+                    self.p,
+                    self.pair,
+                    key,
+                    contact,
+                    views,
+                    steps,
+                    self.margin_m,
+                );
+                points[*pushed] = contact.on_tool;
+                *pushed += 1;
+            };
+        // What spans a face comes after what was there, so that a body that lies keeps its points.
+        let spans = |contact: &&Contact| contact.point == ToolPoint::Round;
+        let deepest = found.iter().filter(|contact| !spans(contact));
+        for contact in deepest.take(MAX_FEET) {
             let away = |k: usize| (old[k].0 - contact.on_body).norm();
             let nearest = (0..count).min_by(|&a, &b| away(a).total_cmp(&away(b)));
             let number = match nearest.filter(|&k| away(k) < self.same_m) {
@@ -76,50 +98,39 @@ impl Meeting<'_> {
             }
             used |= 1 << number;
             let key = RowKey::foot(number as usize);
-            let Self { views, steps, .. } = self;
-            push_between(
-                rows,
-                self.p,
-                self.pair,
-                key,
-                contact,
-                views,
-                steps,
-                self.margin_m,
-            );
-            points[pushed] = contact.on_tool;
-            pushed += 1;
+            push(key, contact, &mut points, &mut pushed);
         }
-        let Some(holder) = &self.lies else { return };
-        let Self { views, steps, .. } = self;
-        for row in warm.iter().filter(|row| row.id.pair as usize == self.p) {
-            let RowKey::Foot(number) = row.id.key else {
-                continue;
-            };
-            let is_left = old[..count].iter().any(|(_, left)| *left == number);
-            if !is_left || pushed == MAX_FEET {
-                continue;
+        let near = |points: &[Point3], point: &Point3, apart_m: f64| {
+            points.iter().any(|other| (other - point).norm() < apart_m)
+        };
+        if let Some(holder) = &self.lies {
+            for row in warm.iter().filter(|row| row.id.pair as usize == self.p) {
+                let RowKey::Foot(number) = row.id.key else {
+                    continue;
+                };
+                let is_left = old[..count].iter().any(|(_, left)| *left == number);
+                if !is_left || pushed == MAX_FEET {
+                    continue;
+                }
+                let found = lying::again(row, holder, self.parts, self.size_m, self.side);
+                let apart_m = SAME_POINT * self.same_m;
+                if let Some(contact) =
+                    found.filter(|contact| !near(&points[..pushed], &contact.on_tool, apart_m))
+                {
+                    push(row.id.key, &contact, &mut points, &mut pushed);
+                }
             }
-            let found = lying::again(row, holder, self.parts, self.size_m, self.side);
-            let near = |point: &Point3| {
-                let mut others = points[..pushed].iter();
-                others.any(|other| (other - point).norm() < SAME_POINT * self.same_m)
-            };
-            let Some(contact) = found.filter(|contact| !near(&contact.on_tool)) else {
-                continue;
-            };
-            push_between(
-                rows,
-                self.p,
-                self.pair,
-                row.id.key,
-                &contact,
-                views,
-                steps,
-                self.margin_m,
-            );
-            points[pushed] = contact.on_tool;
-            pushed += 1;
+        }
+        for contact in found.iter().filter(spans) {
+            let number = (!used).trailing_zeros();
+            if number >= FEET_OF_PAIR || pushed >= SPANNED {
+                return;
+            }
+            if !near(&points[..pushed], &contact.on_tool, self.same_m) {
+                used |= 1 << number;
+                let key = RowKey::foot(number as usize);
+                push(key, contact, &mut points, &mut pushed);
+            }
         }
     }
 }

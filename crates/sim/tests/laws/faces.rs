@@ -12,15 +12,10 @@ fn puck_net(radius_m: f64, height_m: f64) -> String {
     // Twelve points around: a cubic B-spline is inside of its polygon by this.
     let out = 3.0 / (2.0 + libm::cos(std::f64::consts::PI / 6.0));
     let rim = 0.025 * height_m;
-    let profile = [
-        (0.0, 0.0),
-        (0.6, 0.0),
-        (1.0, rim),
-        (1.05, 0.5 * height_m),
-        (1.0, height_m - rim),
-        (0.6, height_m),
-        (0.0, height_m),
-    ];
+    // Four rows in a plane make a span of it.
+    let mut profile: Vec<(f64, f64)> = [0.0, 0.3, 0.6, 0.85, 0.95].map(|part| (part, 0.0)).into();
+    profile.extend([(1.0, rim), (1.0, 0.5 * height_m), (1.0, height_m - rim)]);
+    profile.extend([0.95, 0.85, 0.6, 0.3, 0.0].map(|part| (part, height_m)));
     let rows: Vec<Vec<[f64; 3]>> = (0..12)
         .map(|k| {
             let angle = f64::from(k) * std::f64::consts::PI / 6.0;
@@ -36,11 +31,17 @@ fn puck_net(radius_m: f64, height_m: f64) -> String {
 
 /// A puck whose lower face is at a height.
 fn puck(id: &str, [radius_m, height_m]: [f64; 2], z: f64, density: f64, more: &str) -> String {
+    let spans = 10;
+    let inner = (1..spans).map(|k| f64::from(k) / f64::from(spans));
+    let v: Vec<f64> = std::iter::repeat_n(0.0, 4)
+        .chain(inner)
+        .chain(std::iter::repeat_n(1.0, 4))
+        .collect();
     let u: Vec<f64> = (0..=12).map(|k| f64::from(k) / 12.0).collect();
     format!(
         "[[body]]\nid = \"{id}\"\nfree = true\nmaterial = {{ density_kg_m3 = {density:?} }}\npose = {{ position = [0.0, 0.0, {z:?}] }}\n\
          {more}\n[body.surface.inline]\nformat = \"palpate.surface.v1\"\nunit = \"m\"\ndegree = [3, 3]\nperiodic = [true, false]\n\
-         knots = [{u:?}, [0.0, 0.0, 0.0, 0.0, 0.25, 0.5, 0.75, 1.0, 1.0, 1.0, 1.0]]\npoints = {}\n",
+         knots = [{u:?}, {v:?}]\npoints = {}\n",
         puck_net(radius_m, height_m)
     )
 }

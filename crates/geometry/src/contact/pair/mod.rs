@@ -175,11 +175,11 @@ impl PairSolver {
             for top in &self.on_body.spread {
                 let sheet = (self.side.is_some()).then_some(body.surface);
                 if !sheet.is_some_and(|sheet| self.is_through(sheet, top)) {
-                    push(out, size_m, false, of_body(top, body.surface));
+                    push(out, size_m, false, spanning(of_body(top, body.surface)));
                 }
             }
             for top in &self.on_tool.spread {
-                push(out, size_m, false, of_tool(top, tool.surface));
+                push(out, size_m, false, spanning(of_tool(top, tool.surface)));
             }
         }
     }
@@ -364,6 +364,14 @@ fn of_tool(top: &Top, tool: &Surface) -> Contact {
         depth_m: top.sounding.depth_m,
         tool_uv: Some([top.u, top.v]),
         point: ToolPoint::Found,
+    }
+}
+
+/// A contact that spans a face with others.
+fn spanning(contact: Contact) -> Contact {
+    Contact {
+        point: ToolPoint::Round,
+        ..contact
     }
 }
 
