@@ -12,6 +12,8 @@ const LEVEL: f64 = 1e-10;
 
 /// Most vertices of a manifold that one surface adds.
 const MOST_SPREAD: usize = 8;
+/// What is less deep than the deepest place by no more than this, relative to the size of the surface, is of one face.
+const FACE: f64 = 1e-4;
 /// Points of a manifold closer than this, relative to the size of the surface, are one.
 const APART: f64 = 0.02;
 
@@ -419,6 +421,11 @@ impl Regions {
         others: impl Iterator<Item = Point3>,
     ) {
         self.spread.clear();
+        let depths = (self.found.iter()).map(|region| region.top.sounding.depth_m);
+        let Some(deepest_m) = depths.max_by(f64::total_cmp) else {
+            return;
+        };
+        let least_m = (-margin_m).max(deepest_m - FACE * cells.whole.diagonal());
         let apart_m = APART * cells.whole.diagonal();
         // (vertices): how far from the nearest that is there already, squared.
         self.best.fill(f64::INFINITY);
@@ -439,7 +446,7 @@ impl Regions {
             let near = (0..cells.vertex_count()).filter(|&vertex| {
                 cells.alias[vertex] as usize == vertex
                     && self.state[vertex] == State::Sounded
-                    && self.depth[vertex] >= -margin_m
+                    && self.depth[vertex] >= least_m
             });
             let farthest =
                 near.max_by(|&a, &b| self.best[a].total_cmp(&self.best[b]).then(b.cmp(&a)));
@@ -450,7 +457,7 @@ impl Regions {
             let (point, foot) = (self.points[vertex], self.foot[vertex]);
             add(&mut self.best, &point);
             let sounding = below.follow(&point, foot.0, foot.1);
-            if sounding.depth_m < -margin_m {
+            if sounding.depth_m < least_m {
                 continue;
             }
             let (u, v) = cells.parameters(vertex);
