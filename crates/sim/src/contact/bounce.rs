@@ -25,6 +25,9 @@ pub(crate) fn meet(scene: &Scene, rows: &mut [Row]) {
         };
         let restitution = scene.pairs[row.id.pair as usize].restitution;
         let meeting_m_s = (row.now_m - row.gap_m) / scene.dt_s;
+        if meeting_m_s > rest_m_s {
+            row.ease = 0.0;
+        }
         let meets = restitution > 0.0 && row.gap_m < 0.0 && meeting_m_s > rest_m_s;
         let parting_m_s = meets.then(|| {
             let falls = |body: &Body| f64::from(!body.is_firm());
@@ -34,7 +37,6 @@ pub(crate) fn meet(scene: &Scene, rows: &mut [Row]) {
         if let Some(parting_m_s) = parting_m_s.flatten() {
             // Contact closes this gap and so gives that change of speed.
             row.gap_m = -(meeting_m_s + parting_m_s) * scene.dt_s;
-            row.ease = 0.0;
         } else if row.now_m < -most_m {
             row.gap_m -= row.now_m + most_m;
         }

@@ -132,6 +132,15 @@ impl ContactMatrix {
         }
     }
 
+    /// The same along its normal alone.
+    pub fn ease_along(&mut self, i: usize, share: f64) {
+        let own = match self.is_whole(i) {
+            true => self.normals[i] * self.normals[i].transpose() * (share * self.along(i)),
+            false => return self.ease(i, share),
+        };
+        self.add(i, i, &own);
+    }
+
     /// How far a row gives way along its normal under its own push, m/N.
     pub fn along(&self, i: usize) -> f64 {
         match self.is_whole(i) {

@@ -70,7 +70,10 @@ impl Balance<'_> {
             let row = self.rows.rows[i];
             let old = self.warm.of_row(row.id).copied().unwrap_or_default();
             let (law, warm_n) = (self.law(&row, &old), (old.force_n, old.tangent_n));
-            self.solver.matrix.ease(i, row.ease);
+            match row.tool() {
+                Some(_) => self.solver.matrix.ease(i, row.ease),
+                None => self.solver.matrix.ease_along(i, row.ease),
+            }
             (self.solver.problem).push(&row.normal, row.law.acts_across(), law, warm_n);
         }
         self.solve_again();
