@@ -97,6 +97,14 @@ fn a_puck_that_is_set_flush_slides_as_coulomb_says() {
             tilted = tilted.max(tilt(&world, 1));
         }
         let now = motion(&world, 1);
+        // Of symplectic Euler, less the ticks in which it falls.
+        let expected_m = 0.6 * 0.2 - 0.1 * G * 1e-6 * (200.0 * 201.0 / 2.0);
+        let slid_m = (now.centre - start).x;
+        assert!(
+            (slid_m - expected_m).abs() < 1e-5 + 0.1 * z,
+            "{slid_m} m for {expected_m}"
+        );
+        assert!(tilted < 1e-4, "it tilts by {tilted}");
         println!(
             "from {z} m: {:.3} mm, {:.4} m/s, tilt {tilted:.1e}",
             1e3 * (now.centre - start).x,
@@ -127,6 +135,11 @@ fn a_puck_that_spins_is_stopped_by_friction() {
         }
     }
     println!("stopped after {stopped:?} ticks");
+    // 24 ms from where it lies, of a disc.
+    assert!(
+        stopped.is_some_and(|ticks| (20..=40).contains(&ticks)),
+        "{stopped:?}"
+    );
 }
 
 #[test]
@@ -155,6 +168,12 @@ fn a_stack_of_pucks_rests() {
             top.centre,
             top.velocity_m_s.norm(),
             tilt(&world, count)
+        );
+        assert!(ticks.is_some(), "{count} never rest");
+        assert!(
+            top.centre.coords.xy().norm() < 1e-6,
+            "it crept to {}",
+            top.centre
         );
     }
 }
