@@ -193,6 +193,7 @@ pub(super) fn bodies(search: &mut Search<'_>, p: usize, other: usize) {
         p,
         pair,
         parts: mine,
+        theirs,
         views,
         steps,
         margin_m: margin,
@@ -202,7 +203,14 @@ pub(super) fn bodies(search: &mut Search<'_>, p: usize, other: usize) {
             .gives()
             .copied()
             .filter(|_| views.iter().all(Option::is_none)),
-        side: contacts.first().map_or(1.0, side_of),
+        sides: contacts.first().map_or([1.0; 2], |near| {
+            let [s, t] = near.tool_uv.unwrap_or_default();
+            let of_holder = match their_body.two_sided {
+                true => -near.normal.dot(&theirs.surface.normal(s, t)).signum(),
+                false => 1.0,
+            };
+            [side_of(near), of_holder]
+        }),
     };
     // Rigid faces share what they bear.
     let shares = views.iter().all(Option::is_none) && warm.of_pair(p).any(|row| row.force_n > 0.0);

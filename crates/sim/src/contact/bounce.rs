@@ -1,6 +1,8 @@
 //! How rows between rigid bodies end a tick: what is inside comes out slowly, and what meets may bounce.
 
 use crate::scene::{Body, Scene};
+use crate::solve::impacts::Impacts;
+use crate::solve::matrix::ContactMatrix;
 use crate::solve::rows::{Holder, Row};
 use palpate_geometry::math::Vector3;
 
@@ -13,32 +15,67 @@ const PARTING_M_S: f64 = 0.05;
 const REST_M_S: f64 = 0.01;
 const REST_TICKS: f64 = 4.0;
 
-/// How rows between rigid bodies, of which one is free, end the tick: what lies inside is not thrown out, and
-/// pairs with a restitution that are going to meet part.
+/// What lies inside another rigid body, of which one is free, is not thrown out.
 pub(crate) fn meet(scene: &Scene, rows: &mut [Row]) {
     let most_m = PARTING_M_S * scene.dt_s;
-    let gravity = Vector3::from(scene.spec.gravity.acceleration);
-    let rest_m_s = REST_M_S.max(REST_TICKS * scene.dt_s * gravity.norm());
+    let rest_m_s = rest_m_s(scene);
     for row in rows {
-        let Some([body, holder]) = rigid_parties(scene, row.body as usize, row.holder) else {
+        if !is_between_rigid(scene, row) {
             continue;
-        };
-        let restitution = scene.pairs[row.id.pair as usize].restitution;
-        let meeting_m_s = (row.now_m - row.gap_m) / scene.dt_s;
-        if meeting_m_s > rest_m_s {
+        }
+        if (row.now_m - row.gap_m) / scene.dt_s > rest_m_s {
             row.ease = 0.0;
         }
-        let meets = restitution > 0.0 && row.gap_m < 0.0 && meeting_m_s > rest_m_s;
-        let parting_m_s = meets.then(|| {
-            let falls = |body: &Body| f64::from(!body.is_firm());
-            let pull = row.normal.dot(&gravity) * (falls(body) - falls(holder));
-            parting(restitution, meeting_m_s, row.now_m, pull, scene.dt_s)
-        });
-        if let Some(parting_m_s) = parting_m_s.flatten() {
-            // Contact closes this gap and so gives that change of speed.
-            row.gap_m = -(meeting_m_s + parting_m_s) * scene.dt_s;
-        } else if row.now_m < -most_m {
+        if row.now_m < -most_m {
             row.gap_m -= row.now_m + most_m;
+        }
+    }
+}
+
+/// Below this nothing bounces, m/s.
+fn rest_m_s(scene: &Scene) -> f64 {
+    let gravity = Vector3::from(scene.spec.gravity.acceleration);
+    REST_M_S.max(REST_TICKS * scene.dt_s * gravity.norm())
+}
+
+/// Rows of pairs with a restitution that meet within the tick part as fast as they do after all impacts.
+pub(crate) fn part(
+    scene: &Scene,
+    rows: &mut [Row],
+    matrix: &ContactMatrix,
+    impacts: &mut Impacts,
+) {
+    let restitution = |row: &Row| scene.pairs[row.id.pair as usize].restitution;
+    if rows.iter().all(|row| restitution(row) <= 0.0) {
+        return;
+    }
+    let gravity = Vector3::from(scene.spec.gravity.acceleration);
+    let (rest_m_s, dt_s) = (rest_m_s(scene), scene.dt_s);
+    let most_m = PARTING_M_S * dt_s;
+    let closing_m_s = |row: &Row| match is_between_rigid(scene, row) {
+        // What comes out slowly is no motion.
+        true => (row.now_m.max(-most_m) - row.gap_m) / dt_s,
+        false => 0.0,
+    };
+    let parts = |i: usize, meeting_m_s: f64| {
+        let row = &rows[i];
+        let [body, holder] = rigid_parties(scene, row.body as usize, row.holder)?;
+        let meets = restitution(row) > 0.0
+            && meeting_m_s > rest_m_s
+            && row.now_m.max(-most_m) < meeting_m_s * dt_s;
+        let falls = |body: &Body| f64::from(!body.is_firm());
+        let pull = row.normal.dot(&gravity) * (falls(body) - falls(holder));
+        let parting = || parting(restitution(row), meeting_m_s, row.now_m, pull, dt_s);
+        meets.then(parting).flatten()
+    };
+    let of_rows = rows.iter().map(|row| (row.id.pair, closing_m_s(row)));
+    impacts.run(matrix, dt_s, of_rows, parts);
+    for (row, impact) in rows.iter_mut().zip(impacts.rows()) {
+        if impact.struck {
+            // Contact closes this gap and so gives that change of speed.
+            let parting_m_s = (-impact.meeting_m_s).max(0.0);
+            let met_m_s = closing_m_s(row);
+            (row.gap_m, row.ease) = (-(met_m_s + parting_m_s) * dt_s, 0.0);
         }
     }
 }

@@ -201,7 +201,8 @@ pub(crate) fn push_between(
     let Some([s, t]) = contact.tool_uv else {
         return;
     };
-    let row = row(p, pair, key, contact);
+    let mut row = row(p, pair, key, contact);
+    row.on_tool = Vector3::new(s, t, 0.0);
     let mine = views[0]
         .as_ref()
         .map(|view| (view, windows(view, contact.u, contact.v)));

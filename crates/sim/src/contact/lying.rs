@@ -13,7 +13,8 @@ use crate::party::{BodyScratch, Gives};
 use crate::scene::Scene;
 use crate::solve::rows::{Holder, Row};
 use palpate_geometry::contact::{Contact, ToolPoint};
-use palpate_geometry::math::Vector3;
+use palpate_geometry::math::{Point3, Vector3};
+use palpate_geometry::surface::ClosestPoint;
 
 /// A foot this far aside from straight below its point, relative to the size of its body, is on a rim.
 const ASIDE: f64 = 1e-6;
@@ -38,7 +39,7 @@ pub(crate) fn on_holder(scene: &Scene, bodies: &[BodyScratch], row: &Row) -> Opt
     is_between_rigid(scene, row).then(|| gives.to_body(&(row.point + row.normal * row.now_m)))
 }
 
-/// The contact of a point that touched in the last tick, where it now is; `side` is −1 below a sheet.
+/// The contact of a point of a rigid holder that touched in the last tick, where it now is; `side` is −1 below a sheet.
 pub(crate) fn again(
     remembered: &WarmRow,
     holder: &Gives,
@@ -47,22 +48,79 @@ pub(crate) fn again(
     side: f64,
 ) -> Option<Contact> {
     let point = holder.to_world(&remembered.on_tool);
-    let [u, v] = remembered.uv;
-    let foot = on.solver.local(&on.surface, &point, u, v)?;
+    let below = below(&point, on, remembered.uv, side, size_m)?;
+    Some(Contact {
+        u: below.foot.u,
+        v: below.foot.v,
+        on_body: below.foot.point,
+        on_tool: point,
+        normal: below.normal,
+        depth_m: -below.gap_m,
+        tool_uv: Some([0.0; 2]),
+        point: ToolPoint::Found,
+    })
+}
+
+/// The same of a body and a holder of which one deforms: a point of that one touches on. `sides`: of both.
+pub(crate) fn on_soft(
+    remembered: &WarmRow,
+    holder_deforms: bool,
+    [body, holder]: [&BodyScratch; 2],
+    size_m: f64,
+    sides: [f64; 2],
+) -> Option<Contact> {
+    let (uv, st) = (
+        remembered.uv,
+        [remembered.on_tool.x, remembered.on_tool.y],
+    );
+    let (on_body, on_tool, normal, gap_m, [u, v], st) = match holder_deforms {
+        true => {
+            let point = holder.surface.point(st[0], st[1]);
+            let Below { foot, normal, gap_m } = below(&point, body, uv, sides[0], size_m)?;
+            (foot.point, point, normal, gap_m, [foot.u, foot.v], st)
+        }
+        false => {
+            let point = body.surface.point(uv[0], uv[1]);
+            let Below { foot, normal, gap_m } = below(&point, holder, st, sides[1], size_m)?;
+            (point, foot.point, -normal, gap_m, uv, [foot.u, foot.v])
+        }
+    };
+    Some(Contact {
+        u,
+        v,
+        on_body,
+        on_tool,
+        normal,
+        depth_m: -gap_m,
+        tool_uv: Some(st),
+        point: ToolPoint::Found,
+    })
+}
+
+/// What a point sees of a surface straight below it.
+struct Below {
+    foot: ClosestPoint,
+    normal: Vector3,
+    gap_m: f64,
+}
+
+/// `start`: where on the surface it was last; none beside a rim, far off, or where a number is none.
+fn below(
+    point: &Point3,
+    on: &BodyScratch,
+    [u, v]: [f64; 2],
+    side: f64,
+    size_m: f64,
+) -> Option<Below> {
+    let foot = on.solver.local(&on.surface, point, u, v)?;
     let normal = foot.normal * side;
     let away = point - foot.point;
     let gap_m = away.dot(&normal);
     let aside = (away - normal * gap_m).norm();
-    // Beside a rim, far off, or no number.
     let faces = aside < ASIDE * size_m && gap_m.abs() < size_m;
-    faces.then_some(Contact {
-        u: foot.u,
-        v: foot.v,
-        on_body: foot.point,
-        on_tool: point,
+    faces.then_some(Below {
+        foot,
         normal,
-        depth_m: -gap_m,
-        tool_uv: Some([0.0; 2]),
-        point: ToolPoint::Found,
+        gap_m,
     })
 }

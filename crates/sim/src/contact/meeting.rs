@@ -23,6 +23,8 @@ pub(super) struct Meeting<'a> {
     pub pair: &'a Pair,
     /// Of the pair's body.
     pub parts: &'a BodyScratch,
+    /// Of the holder.
+    pub theirs: &'a BodyScratch,
     pub views: [Option<DeformingView<'a>>; 2],
     /// How each goes within the tick, of rigid bodies that move.
     pub steps: [RigidStep; 2],
@@ -33,8 +35,8 @@ pub(super) struct Meeting<'a> {
     pub same_m: f64,
     /// What the holder gives way, when it is free and the body rigid.
     pub lies: Option<Gives>,
-    /// +1, or −1 where the holder is below a sheet.
-    pub side: f64,
+    /// Of each: +1, or −1 where the other is below a sheet.
+    pub sides: [f64; 2],
 }
 
 /// Rows beyond which none is added to span a face.
@@ -63,8 +65,11 @@ impl Meeting<'_> {
                 count += 1;
             }
         }
-        let mut push =
-            |key: RowKey, contact: &Contact, points: &mut [Point3], pushed: &mut usize| {
+        let push = |rows: &mut RowSet,
+                    key: RowKey,
+                    contact: &Contact,
+                    points: &mut [Point3],
+                    pushed: &mut usize| {
                 let Self { views, steps, .. } = self;
                 push_between(
                     rows,
@@ -82,6 +87,41 @@ impl Meeting<'_> {
         // What spans a face comes after what was there, so that a body that lies keeps its points.
         let spans = |contact: &&Contact| contact.point == ToolPoint::Round;
         let deepest = found.iter().filter(|contact| !spans(contact));
+        let near = |points: &[Point3], point: &Point3, apart_m: f64| {
+            points.iter().any(|other| (other - point).norm() < apart_m)
+        };
+        // Where something deforms, microns decide which point is deepest: those that carried carry on.
+        let deforms = self.views.each_ref().map(Option::is_some);
+        if deforms.contains(&true) {
+            for row in warm.iter().filter(|row| row.id.pair as usize == self.p) {
+                if !row.id.key.is_foot() || pushed == MAX_FEET {
+                    continue;
+                }
+                let on = [self.parts, self.theirs];
+                let found = lying::on_soft(row, deforms[1], on, self.size_m, self.sides);
+                let apart_m = SAME_POINT * self.same_m;
+                if let Some(contact) = found.filter(|contact| {
+                    !self.is_held(rows, contact)
+                        && !near(&points[..pushed], &contact.on_tool, apart_m)
+                }) {
+                    push(rows, row.id.key, &contact, &mut points, &mut pushed);
+                }
+            }
+            for contact in deepest {
+                let number = (!used).trailing_zeros();
+                if number >= FEET_OF_PAIR || pushed == MAX_FEET {
+                    return;
+                }
+                if !self.is_held(rows, contact)
+                    && !near(&points[..pushed], &contact.on_tool, self.same_m)
+                {
+                    used |= 1 << number;
+                    let key = RowKey::foot(number as usize);
+                    push(rows, key, contact, &mut points, &mut pushed);
+                }
+            }
+            return;
+        }
         for contact in deepest.take(MAX_FEET) {
             let away = |k: usize| (old[k].0 - contact.on_body).norm();
             let nearest = (0..count).min_by(|&a, &b| away(a).total_cmp(&away(b)));
@@ -98,11 +138,8 @@ impl Meeting<'_> {
             }
             used |= 1 << number;
             let key = RowKey::foot(number as usize);
-            push(key, contact, &mut points, &mut pushed);
+            push(rows, key, contact, &mut points, &mut pushed);
         }
-        let near = |points: &[Point3], point: &Point3, apart_m: f64| {
-            points.iter().any(|other| (other - point).norm() < apart_m)
-        };
         if let Some(holder) = &self.lies {
             for row in warm.iter().filter(|row| row.id.pair as usize == self.p) {
                 let RowKey::Foot(number) = row.id.key else {
@@ -112,12 +149,12 @@ impl Meeting<'_> {
                 if !is_left || pushed == MAX_FEET {
                     continue;
                 }
-                let found = lying::again(row, holder, self.parts, self.size_m, self.side);
+                let found = lying::again(row, holder, self.parts, self.size_m, self.sides[0]);
                 let apart_m = SAME_POINT * self.same_m;
                 if let Some(contact) =
                     found.filter(|contact| !near(&points[..pushed], &contact.on_tool, apart_m))
                 {
-                    push(row.id.key, &contact, &mut points, &mut pushed);
+                    push(rows, row.id.key, &contact, &mut points, &mut pushed);
                 }
             }
         }
@@ -129,8 +166,26 @@ impl Meeting<'_> {
             if !near(&points[..pushed], &contact.on_tool, self.same_m) {
                 used |= 1 << number;
                 let key = RowKey::foot(number as usize);
-                push(key, contact, &mut points, &mut pushed);
+                push(rows, key, contact, &mut points, &mut pushed);
             }
         }
+    }
+
+    /// Samples on all sides of a contact are pressed: what rises between them is a bulge, and no foot.
+    fn is_held(&self, rows: &RowSet, contact: &Contact) -> bool {
+        let [s, t] = contact.tool_uv.unwrap_or_default();
+        let places = [[contact.u, contact.v], [s, t]];
+        let keys = [RowKey::sample, RowKey::of_owner];
+        let views = self.views.iter().zip(places).zip(keys);
+        views
+            .filter_map(|((view, at), key)| Some((view.as_ref()?, at, key)))
+            .any(|(view, [u, v], key)| {
+                let is_in = |sample: usize| {
+                    let mut own = rows.of_pair().iter();
+                    own.any(|row| row.id.key == key(sample) && row.gap_m < 0.0)
+                };
+                let around = view.samples.around(u, v);
+                around.is_some_and(|four| four.into_iter().all(|(k, w)| w > 0.0 && is_in(k)))
+            })
     }
 }

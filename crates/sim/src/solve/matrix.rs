@@ -60,6 +60,11 @@ impl ContactMatrix {
         self.normals.len()
     }
 
+    /// A row's normal.
+    pub fn normal(&self, i: usize) -> &Vector3 {
+        &self.normals[i]
+    }
+
     /// Directions of all forces together.
     pub fn size(&self) -> usize {
         self.size
@@ -149,6 +154,22 @@ impl ContactMatrix {
         }
     }
 
+    /// How far a newton on row j along a direction of its force moves row i along one of its own, m.
+    pub fn between(&self, (i, along): (usize, &Vector3), (j, by): (usize, &Vector3)) -> f64 {
+        let part = |row: usize, direction: &Vector3, k: usize| match self.is_whole(row) {
+            true => direction[k],
+            false => direction.dot(&self.normals[row]),
+        };
+        let mut sum = 0.0;
+        for (k, b) in self.span(j).enumerate() {
+            let column = &self.entries[b * self.size..][self.span(i)];
+            let moved = column.iter().enumerate();
+            let moved: f64 = moved.map(|(l, m)| part(i, along, l) * m).sum();
+            sum += moved * part(j, by, k);
+        }
+        sum
+    }
+
     /// D_ij between two rows whose forces have all directions.
     pub fn block(&self, i: usize, j: usize) -> Matrix3 {
         let (i, j) = (self.span(i), self.span(j));
@@ -232,6 +253,8 @@ mod tests {
                         }
                     }
                     assert!((along - between).abs() < 1e-14);
+                    let own = matrix.between((i, &normals[i]), (j, &normals[j]));
+                    assert!((own - between).abs() < 1e-14);
                 }
             }
         }

@@ -15,9 +15,11 @@
 //! ```
 
 pub mod delassus;
+pub mod direct;
 pub mod friction;
 pub mod grip;
 pub mod hold;
+pub mod impacts;
 pub mod indentation;
 pub mod matrix;
 pub mod problem;

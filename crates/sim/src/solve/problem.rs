@@ -208,6 +208,64 @@ impl ContactProblem {
         }
     }
 
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// A row's normal.
+    pub fn normal(&self, i: usize) -> &Vector3 {
+        &self.rows[i].normal
+    }
+
+    /// A row's force has all directions.
+    pub fn is_whole(&self, i: usize) -> bool {
+        self.rows[i].span.len() == 3
+    }
+
+    /// By direction, N.
+    pub fn forces(&self) -> &[f64] {
+        &self.forces
+    }
+
+    /// Forces that were there before; displacements follow.
+    pub fn restore(&mut self, matrix: &ContactMatrix, forces_n: &[f64]) {
+        self.forces.copy_from_slice(forces_n);
+        self.displaced.copy_from_slice(&self.free);
+        for (i, row) in self.rows.iter().enumerate() {
+            let force = &self.forces[row.span.clone()];
+            if force.iter().any(|n| *n != 0.0) {
+                displace(&mut self.displaced, matrix.columns(i), force);
+            }
+        }
+    }
+
+    /// Force that would bring a row to rest by itself, after a solve, N.
+    pub fn wish(&self, i: usize) -> Vector3 {
+        let row = &self.rows[i];
+        row.wish(
+            &self.force_n(i),
+            &self.displaced_m(i),
+            &self.stiffness[i],
+        )
+    }
+
+    /// The most that the law of a row would change its force by, relative to the largest force there is.
+    pub fn missed(&self) -> f64 {
+        let (mut largest, mut most) = (0.0f64, 0.0f64);
+        for i in 0..self.rows.len() {
+            let force = self.force_n(i);
+            let mut row = self.rows[i].clone();
+            let next = row.next(&force, &self.displaced_m(i), &self.stiffness[i]);
+            most = most.max((next - force).norm_squared());
+            largest = largest.max(next.norm_squared());
+        }
+        match largest > 0.0 {
+            true => (most / largest).sqrt(),
+            false => 0.0,
+        }
+    }
+
     /// Force of a row along its normal, N.
     pub fn normal_n(&self, i: usize) -> f64 {
         match &self.forces[self.rows[i].span.clone()] {
@@ -362,16 +420,22 @@ impl Bound {
     /// The force of a row after `force`, under which it is displaced by `u`.
     #[inline(always)]
     fn next(&mut self, force: &Vector3, u: &Vector3, stiffness: &[f64; 2]) -> Vector3 {
-        let [along, across] = *stiffness;
+        let across = stiffness[1];
         if across == 0.0 {
             return Vector3::zeros();
         }
+        self.allowed(&self.wish(force, u, stiffness), across)
+    }
+
+    /// The force that would bring its displacement to zero, if it alone changed.
+    #[inline(always)]
+    fn wish(&self, force: &Vector3, u: &Vector3, stiffness: &[f64; 2]) -> Vector3 {
+        let [along, across] = *stiffness;
         if along == across {
-            return self.allowed(&(force - u * across), across);
+            return force - u * across;
         }
         let depth = u.dot(&self.normal);
-        let wish = force - self.normal * (depth * along) - (u - self.normal * depth) * across;
-        self.allowed(&wish, across)
+        force - self.normal * (depth * along) - (u - self.normal * depth) * across
     }
 
     /// The force the row takes when `wish` would bring its displacement to zero; `across`: its stiffness there, N/m.

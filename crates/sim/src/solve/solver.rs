@@ -1,8 +1,10 @@
 //! The solve of a tick: its matrix, its forces, and buffers for what goes with them.
 
 use super::delassus::Delassus;
+use super::direct::Direct;
 use super::friction::Stick;
 use super::hold::Barrier;
+use super::impacts::Impacts;
 use super::indentation::{Indentation, Touch};
 use super::matrix::ContactMatrix;
 use super::problem::ContactProblem;
@@ -17,6 +19,12 @@ pub struct Solver {
     pub matrix: ContactMatrix,
     /// Their forces.
     pub problem: ContactProblem,
+    /// Ends solves of bodies that move freely.
+    pub direct: Direct,
+    /// By body, then by tool: it is in touch with such a body, through others that give way too.
+    pub concerned: Vec<bool>,
+    /// By row: how it meets and parts.
+    pub impacts: Impacts,
     /// By row: where it sticks if it does not slip.
     pub sticks: Vec<Stick>,
     /// Shares of one tool's rows.

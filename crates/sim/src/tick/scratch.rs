@@ -8,6 +8,8 @@ use crate::report::error::Errors;
 use crate::rest::Rest;
 use crate::scene::{Pair, Scene};
 use crate::solve::delassus::Delassus;
+use crate::solve::direct::Direct;
+use crate::solve::impacts::Impacts;
 use crate::solve::indentation::{Indentation, Touch};
 use crate::solve::matrix::ContactMatrix;
 use crate::solve::problem::ContactProblem;
@@ -106,6 +108,7 @@ impl Scene {
         let frictional = self.pairs.iter().any(|pair| pair.friction.is_some());
         let grips = self.tools.iter().any(|tool| tool.grip_n > 0.0);
         let directions = most_rows * if frictional || grips { 3 } else { 1 };
+        let free = (0..self.bodies.len()).any(|body| self.is_free(body));
         let mut scratch = Scratch {
             tools: self.tool_parties().map(|tool| tool.scratch()).collect(),
             bodies: self.parties().map(|body| body.scratch()).collect(),
@@ -117,6 +120,9 @@ impl Scene {
             solver: Solver {
                 matrix: ContactMatrix::new(most_rows, directions),
                 problem: ContactProblem::new(most_rows, directions),
+                direct: Direct::new(most_rows, if free { directions } else { 0 }),
+                concerned: vec![false; self.bodies.len() + self.tools.len()],
+                impacts: Impacts::new(most_rows),
                 sticks: Vec::with_capacity(most_rows),
                 shares: Vec::with_capacity(most_rows),
                 barriers: Vec::with_capacity(most_rows),

@@ -6,6 +6,7 @@ mod apart;
 mod bending;
 mod bounce;
 mod carried;
+mod chains;
 #[path = "../common/mod.rs"]
 mod common;
 mod contact;
