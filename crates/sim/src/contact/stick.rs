@@ -124,13 +124,18 @@ pub(crate) fn slip(
 /// crept, and what slips sticks nowhere.
 pub(crate) fn settle(rows: &[Row], solver: &mut Solver) {
     let Solver {
-        problem, sticks, ..
+        problem,
+        matrix,
+        sticks,
+        ..
     } = solver;
     for (i, (row, stick)) in rows.iter().zip(sticks).enumerate() {
         if problem.slips(i) {
             *stick = Stick::default();
         } else if row.tool().is_none() && row.law.acts_across() {
-            let moved = problem.displaced_m(i);
+            // What it gives way more than its bodies is no way that they go.
+            let more = matrix.block(i, i) * problem.force_n(i) * (row.ease / (1.0 + row.ease));
+            let moved = problem.displaced_m(i) - more;
             stick.offset = moved - row.normal * moved.dot(&row.normal);
         }
     }

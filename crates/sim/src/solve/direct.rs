@@ -1,63 +1,64 @@
 //! The end of a solve in few direct steps.
 //!
-//! Row by row a heavy body on light ones, or a high stack, takes thousands of sweeps. But which rows carry, and which
-//! of them slip, is known after few. With that known the laws are linear: what sticks is not displaced, what slips is
-//! not along its normal and carries across as much as its cone allows, in the direction in which it slips now. A step
-//! solves that system (an active set, a semismooth Newton step: Alart & Curnier 1991); sweeps put right where what
-//! carries or slips was guessed wrong. Rows of one face that stick are more than their body has ways to move: a
-//! trace of their own compliance chooses the smallest change.
+//! Row by row a heavy body on light ones, or a high stack, takes thousands of sweeps. The laws of all rows together are
+//! equations f = Π(f − K u), with Π the projection on what a row may do and u = b + D f; all but a few sweeps from their
+//! solution Newton's method solves them (Alart & Curnier 1991). Π has a kink where a row begins to carry or to slip;
+//! within a step each row keeps its side of it. Rows beyond what bodies have ways to move need some compliance of their
+//! own.
 
 use super::friction::FrictionLaw;
 use super::matrix::ContactMatrix;
 use super::problem::ContactProblem;
-use palpate_geometry::math::Vector3;
+use palpate_geometry::math::{Matrix3, Vector3};
 
-/// Most unknowns of a step: its work grows with their cube, 3 ms of it.
-const MOST: usize = 192;
-/// Of its own compliance that a row gives way more within a step.
-const TRACE: f64 = 1e-10;
+/// Most unknowns of a step: its work grows with their cube.
+const MOST: usize = 288;
 /// Steps of a solve.
 const STEPS: usize = 5;
-/// Sweeps after each.
-const SWEEPS: usize = 3;
+/// How often a step that makes nothing better is halved.
+const HALVED: usize = 3;
 /// A solve is at its end when no force is wrong by more than this share of the largest.
 const ENOUGH: f64 = 1e-9;
 
-/// What a row is in a step.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Way {
-    /// Its force stays what it is.
-    Keeps,
-    /// It has none.
-    Parts,
-    /// Along its normal, or in all directions.
-    Sticks,
-    /// Along its normal, and across by this much of it.
-    Slips(Vector3),
+/// A row that may change.
+#[derive(Clone, Copy, Debug)]
+struct Active {
+    row: usize,
+    /// Its first unknown.
+    start: usize,
+    /// Three, or one along its normal, or none where it does not carry.
+    unknowns: usize,
+    /// ∂Π/∂w.
+    slope: Matrix3,
+    /// Π(w), N.
+    allowed: Vector3,
+    /// Before the step, m.
+    displaced: Vector3,
 }
 
 /// Buffers of direct steps.
 #[derive(Clone, Debug)]
 pub struct Direct {
-    /// By row.
-    ways: Vec<Way>,
-    /// By unknown: its row and its direction there.
-    unknowns: Vec<(u32, Vector3)>,
+    active: Vec<Active>,
     /// Row by row: by how much each unknown moves an equation; then minus what is missed.
     system: Vec<f64>,
-    /// Forces of the best step so far, N.
-    best: Vec<f64>,
+    /// Forces before a step and after it, N.
+    before: Vec<f64>,
+    after: Vec<f64>,
+    /// Most unknowns.
+    room: usize,
 }
 
 impl Direct {
     /// Buffers for `rows` rows of so many directions; none where nothing is solved so.
     pub fn new(rows: usize, directions: usize) -> Self {
-        let most = directions.min(MOST);
+        let room = directions.min(MOST);
         Self {
-            ways: Vec::with_capacity(rows),
-            unknowns: Vec::with_capacity(most),
-            system: vec![0.0; most * (most + 1)],
-            best: Vec::with_capacity(directions),
+            active: Vec::with_capacity(rows),
+            system: vec![0.0; room * (room + 1)],
+            before: Vec::with_capacity(directions),
+            after: Vec::with_capacity(directions),
+            room,
         }
     }
 
@@ -69,134 +70,169 @@ impl Direct {
         concerns: impl Fn(usize) -> bool,
     ) -> bool {
         let mut missed = problem.missed();
-        for _ in 0..STEPS {
+        for step in 0..STEPS {
             if missed <= ENOUGH {
-                return true;
+                break;
             }
-            if !self.choose(problem, &concerns) {
+            self.before.clear();
+            self.before.extend_from_slice(problem.forces());
+            let Some(size) = self.choose(problem, &concerns) else {
                 return false;
+            };
+            if !self.step(problem, matrix, size) {
+                break;
             }
-            self.best.clear();
-            self.best.extend_from_slice(problem.forces());
-            self.step(problem, matrix);
-            problem.solve(matrix, SWEEPS);
-            let now = problem.missed();
+            let mut now = problem.missed();
+            if std::env::var_os("DBG").is_some() { eprintln!("direct {step} {size} unknowns: {missed:.2e} -> {now:.2e}"); }
+            for _ in 0..HALVED {
+                if now < missed {
+                    break;
+                }
+                let shorter = self.after.iter_mut().zip(&self.before);
+                shorter.for_each(|(after, before)| *after = 0.5 * (*after + before));
+                problem.restore(matrix, &self.after);
+                now = problem.missed();
+            if std::env::var_os("DBG").is_some() { eprintln!("   half {missed:.2e} -> {now:.2e}"); }
+            }
             let better = now < missed;
             if !better {
-                problem.restore(matrix, &self.best);
-                return true;
+                problem.restore(matrix, &self.before);
+                break;
             }
             missed = now;
         }
+        // The last step may have left a force at the edge of its law by rounding.
+        problem.solve(matrix, 1);
         true
     }
 
-    /// Which rows carry and which slip; false where they are too many.
-    fn choose(&mut self, problem: &ContactProblem, concerns: &impl Fn(usize) -> bool) -> bool {
-        self.ways.clear();
-        self.unknowns.clear();
-        for i in 0..problem.rows() {
-            let way = match concerns(i) {
-                true => way(problem, i),
-                false => Way::Keeps,
+    /// Takes the rows that may change, and answers with the number of unknowns; `None` for too many.
+    fn choose(
+        &mut self,
+        problem: &ContactProblem,
+        concerns: &impl Fn(usize) -> bool,
+    ) -> Option<usize> {
+        self.active.clear();
+        let mut start = 0;
+        for row in (0..problem.rows()).filter(|&row| concerns(row)) {
+            let wish = problem.wish(row);
+            let Some((allowed, slope)) = project(&problem.law(row), problem.normal(row), &wish)
+            else {
+                continue;
             };
-            let row = i as u32;
-            let normal = *problem.normal(i);
-            let room = MOST.min(self.unknowns.capacity());
-            let more = match way {
-                Way::Keeps | Way::Parts => 0,
-                Way::Sticks if problem.is_whole(i) => 3,
-                _ => 1,
+            let unknowns = match (slope == Matrix3::zeros(), problem.is_whole(row)) {
+                (true, _) => 0,
+                (false, true) => 3,
+                (false, false) => 1,
             };
-            if self.unknowns.len() + more > room {
-                return false;
-            }
-            match way {
-                Way::Keeps | Way::Parts => {}
-                Way::Sticks if more == 3 => {
-                    let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
-                    self.unknowns.extend(axes.map(|axis| (row, axis)));
-                }
-                Way::Sticks => self.unknowns.push((row, normal)),
-                Way::Slips(across) => self.unknowns.push((row, normal + across)),
-            }
-            self.ways.push(way);
+            self.active.push(Active {
+                row,
+                start,
+                unknowns,
+                slope,
+                allowed,
+                displaced: problem.displaced_m(row),
+            });
+            start += unknowns;
         }
-        true
+        (start <= self.room).then_some(start)
     }
 
-    /// Solves for the forces of the rows that carry.
-    fn step(&mut self, problem: &mut ContactProblem, matrix: &ContactMatrix) {
-        // What slips starts from the edge of its cone.
-        for (i, way) in self.ways.iter().enumerate() {
-            match way {
-                Way::Slips(across) => {
-                    let force = (problem.normal(i) + across) * problem.normal_n(i);
-                    problem.set_force(matrix, i, &force);
-                }
-                Way::Parts if problem.carries(i) => {
-                    problem.set_force(matrix, i, &Vector3::zeros());
-                }
-                _ => {}
+    /// One step of Newton's method; false where its matrix has no inverse.
+    fn step(
+        &mut self,
+        problem: &mut ContactProblem,
+        matrix: &ContactMatrix,
+        size: usize,
+    ) -> bool {
+        // What does not carry has no force, whatever the others do.
+        for of in self.active.iter().filter(|of| of.unknowns == 0) {
+            if problem.carries(of.row) {
+                problem.set_force(matrix, of.row, &Vector3::zeros());
             }
         }
-        let (size, width) = (self.unknowns.len(), self.unknowns.len() + 1);
-        for (a, (row, direction)) in self.unknowns.iter().enumerate() {
-            let i = *row as usize;
-            // An equation for each direction that may not be displaced: all where it sticks, the normal where it slips.
-            let along = match self.ways[i] {
-                Way::Slips(_) => problem.normal(i),
-                _ => direction,
-            };
-            for (b, (other, by)) in self.unknowns.iter().enumerate() {
-                self.system[a * width + b] = matrix.between((i, along), (*other as usize, by));
+        let width = size + 1;
+        for of in self.active.iter().filter(|of| of.unknowns > 0) {
+            let against = of.slope * problem.stiffness(of.row);
+            let moved = problem.displaced_m(of.row) - of.displaced;
+            let missed = of.allowed - problem.force_n(of.row) - against * moved;
+            let normal = problem.normal(of.row);
+            let equations = &mut self.system[of.start * width..];
+            for other in self.active.iter().filter(|other| other.unknowns > 0) {
+                let mut block = against * matrix.whole(of.row, other.row);
+                if other.row == of.row {
+                    block += Matrix3::identity() - of.slope;
+                }
+                let by = problem.normal(other.row);
+                for a in 0..of.unknowns {
+                    let row = match of.unknowns {
+                        1 => normal.transpose() * block,
+                        _ => block.row(a).into_owned(),
+                    };
+                    let to = &mut equations[a * width + other.start..];
+                    match other.unknowns {
+                        1 => to[0] = (row * by).x,
+                        _ => to[..3].copy_from_slice(row.transpose().as_slice()),
+                    }
+                }
             }
-            self.system[a * width + a] *= 1.0 + TRACE;
-            self.system[a * width + size] = -problem.displaced_m(i).dot(along);
+            for a in 0..of.unknowns {
+                equations[a * width + size] = match of.unknowns {
+                    1 => missed.dot(normal),
+                    _ => missed[a],
+                };
+            }
         }
         if !eliminate(&mut self.system[..size * width], size) {
-            return;
+            return false;
         }
-        let (mut at, mut first) = (0, 0);
-        while at < size {
-            let i = self.unknowns[at].0 as usize;
-            let mut force = problem.force_n(i);
-            while at < size && self.unknowns[at].0 as usize == i {
-                force += self.unknowns[at].1 * self.system[at * width + size];
-                at += 1;
-            }
-            debug_assert!(at > first, "a row without unknowns");
-            first = at;
-            problem.set_force(matrix, i, &force);
+        for of in self.active.iter().filter(|of| of.unknowns > 0) {
+            let change = |a: usize| self.system[(of.start + a) * width + size];
+            let change = match of.unknowns {
+                1 => problem.normal(of.row) * change(0),
+                _ => Vector3::new(change(0), change(1), change(2)),
+            };
+            let force = problem.force_n(of.row) + change;
+            problem.set_force(matrix, of.row, &force);
         }
+        self.after.clear();
+        self.after.extend_from_slice(problem.forces());
+        true
     }
 }
 
-/// What a row is, by where it goes next.
-fn way(problem: &ContactProblem, i: usize) -> Way {
-    let wish = problem.wish(i);
-    match problem.law(i) {
-        FrictionLaw::Push { mu, drag_n_m } => {
-            let normal = problem.normal(i);
+/// The force that a law allows in place of a wish, and its slope; `None` for rows that drag, whose forces stay.
+fn project(law: &FrictionLaw, normal: &Vector3, wish: &Vector3) -> Option<(Vector3, Matrix3)> {
+    let aside = |size: f64, across: Vector3| {
+        let way = across / size;
+        (way, Matrix3::identity() - way * way.transpose())
+    };
+    match *law {
+        FrictionLaw::Push { drag_n_m, .. } if drag_n_m > 0.0 => None,
+        FrictionLaw::Push { mu, .. } => {
             let along = wish.dot(normal);
-            let carries = along > 0.0;
-            if drag_n_m > 0.0 {
-                return Way::Keeps;
-            }
-            if !carries {
-                return Way::Parts;
+            let pushes = along > 0.0;
+            if !pushes {
+                return Some((Vector3::zeros(), Matrix3::zeros()));
             }
             let across = wish - normal * along;
-            let size = across.norm();
-            match problem.is_whole(i) && size > mu * along {
-                true => Way::Slips(across * (mu / size)),
-                false => Way::Sticks,
+            let (size, most) = (across.norm(), mu * along);
+            if size <= most {
+                return Some((*wish, Matrix3::identity()));
             }
+            let (way, turns) = aside(size, across);
+            let out = normal * normal.transpose();
+            let slope = (normal + way * mu) * normal.transpose() + (turns - out) * (most / size);
+            Some((normal * along + way * most, slope))
         }
-        FrictionLaw::Grip { limit_n } => match wish.norm() <= limit_n {
-            true => Way::Sticks,
-            false => Way::Keeps,
-        },
+        FrictionLaw::Grip { limit_n } => {
+            let size = wish.norm();
+            if size <= limit_n {
+                return Some((*wish, Matrix3::identity()));
+            }
+            let (way, turns) = aside(size, *wish);
+            Some((way * limit_n, turns * (limit_n / size)))
+        }
     }
 }
 
@@ -205,15 +241,15 @@ fn way(problem: &ContactProblem, i: usize) -> Way {
 fn eliminate(rows: &mut [f64], size: usize) -> bool {
     let width = size + 1;
     for k in 0..size {
-        let largest = (k..size).max_by(|&a, &b| {
-            let at = |row: usize| rows[row * width + k].abs();
-            at(a).total_cmp(&at(b)).then(b.cmp(&a))
-        });
-        let pivot_row = largest.unwrap_or(k);
-        if pivot_row != k {
-            for column in k..width {
-                rows.swap(k * width + column, pivot_row * width + column);
+        let mut largest = k;
+        for row in k + 1..size {
+            if rows[row * width + k].abs() > rows[largest * width + k].abs() {
+                largest = row;
             }
+        }
+        if largest != k {
+            let (above, below) = rows.split_at_mut(largest * width);
+            above[k * width..][..width].swap_with_slice(&mut below[..width]);
         }
         let pivot = rows[k * width + k];
         if pivot == 0.0 || !pivot.is_finite() {
@@ -237,5 +273,5 @@ fn eliminate(rows: &mut [f64], size: usize) -> bool {
         }
         rows[k * width + size] = sum / rows[k * width + k];
     }
-    rows.iter().all(|value| value.is_finite())
+    (0..size).all(|k| rows[k * width + size].is_finite())
 }

@@ -137,15 +137,6 @@ impl ContactMatrix {
         }
     }
 
-    /// The same along its normal alone.
-    pub fn ease_along(&mut self, i: usize, share: f64) {
-        let own = match self.is_whole(i) {
-            true => self.normals[i] * self.normals[i].transpose() * (share * self.along(i)),
-            false => return self.ease(i, share),
-        };
-        self.add(i, i, &own);
-    }
-
     /// How far a row gives way along its normal under its own push, m/N.
     pub fn along(&self, i: usize) -> f64 {
         match self.is_whole(i) {
@@ -175,6 +166,21 @@ impl ContactMatrix {
         let (i, j) = (self.span(i), self.span(j));
         debug_assert!(i.len() == 3 && j.len() == 3, "a force along its normal");
         Matrix3::from_fn(|a, b| self.entry(i.start + a, j.start + b))
+    }
+
+    /// D_ij between any two rows; of one along its normal only, nothing across.
+    pub fn whole(&self, i: usize, j: usize) -> Matrix3 {
+        let along = |row: usize, k: usize| match self.is_whole(row) {
+            true => Vector3::ith(k, 1.0),
+            false => self.normals[row],
+        };
+        let mut whole = Matrix3::zeros();
+        for (k, b) in self.span(j).enumerate() {
+            for (l, a) in self.span(i).enumerate() {
+                whole += along(i, l) * along(j, k).transpose() * self.entry(a, b);
+            }
+        }
+        whole
     }
 
     /// What a row's force moves all rows: one column for each of its directions.

@@ -250,6 +250,13 @@ impl ContactProblem {
         )
     }
 
+    /// Against a row's own displacement, no more than it has, N/m.
+    pub fn stiffness(&self, i: usize) -> Matrix3 {
+        let ([along, across], normal) = (self.stiffness[i], &self.rows[i].normal);
+        let out = normal * normal.transpose();
+        out * along + (Matrix3::identity() - out) * across
+    }
+
     /// The most that the law of a row would change its force by, relative to the largest force there is.
     pub fn missed(&self) -> f64 {
         let (mut largest, mut most) = (0.0f64, 0.0f64);

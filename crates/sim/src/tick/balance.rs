@@ -101,7 +101,7 @@ impl Balance<'_> {
         let means_m = self.solver.matrix.along(i) * whole_n / count as f64;
         let ease = row.ease.min(SINKS_M / means_m);
         self.rows.rows[i].ease = ease;
-        self.solver.matrix.ease_along(i, ease);
+        self.solver.matrix.ease(i, ease);
     }
 
     /// How often a solve goes over its rows. They start with the forces of the last tick: under lower
