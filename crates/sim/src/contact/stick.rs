@@ -113,10 +113,10 @@ pub(crate) fn slip(
                 },
             )
         }
-        (FrictionLaw::Push { .. }, None) => (
-            row.slip + stuck.unwrap_or_default().offset,
-            Stick::default(),
-        ),
+        (FrictionLaw::Push { .. }, None) => {
+            let offset = old.map_or_else(Vector3::zeros, |old| old.stick.offset);
+            (row.slip + offset, Stick::default())
+        }
     }
 }
 
@@ -130,13 +130,17 @@ pub(crate) fn settle(rows: &[Row], solver: &mut Solver) {
         ..
     } = solver;
     for (i, (row, stick)) in rows.iter().zip(sticks).enumerate() {
-        if problem.slips(i) {
+        if row.tool().is_none() && row.law.acts_across() {
+            // What the row gives way more than its bodies is no way that they go: it stays bent by that.
+            let bent = matrix.block(i, i) * problem.force_n(i) * (row.ease / (1.0 + row.ease));
+            let crept = match problem.slips(i) {
+                true => Vector3::zeros(),
+                false => problem.displaced_m(i),
+            };
+            let offset = crept - bent;
+            stick.offset = offset - row.normal * offset.dot(&row.normal);
+        } else if problem.slips(i) {
             *stick = Stick::default();
-        } else if row.tool().is_none() && row.law.acts_across() {
-            // What it gives way more than its bodies is no way that they go.
-            let more = matrix.block(i, i) * problem.force_n(i) * (row.ease / (1.0 + row.ease));
-            let moved = problem.displaced_m(i) - more;
-            stick.offset = moved - row.normal * moved.dot(&row.normal);
         }
     }
 }

@@ -45,6 +45,9 @@ pub struct Direct {
     /// Forces before a step and after it, N.
     before: Vec<f64>,
     after: Vec<f64>,
+    /// Those of the sweeps, and the best so far, N.
+    swept: Vec<f64>,
+    best: Vec<f64>,
     /// Most unknowns.
     room: usize,
 }
@@ -58,6 +61,8 @@ impl Direct {
             system: vec![0.0; room * (room + 1)],
             before: Vec::with_capacity(directions),
             after: Vec::with_capacity(directions),
+            swept: Vec::with_capacity(directions),
+            best: Vec::with_capacity(directions),
             room,
         }
     }
@@ -69,57 +74,97 @@ impl Direct {
         matrix: &ContactMatrix,
         concerns: impl Fn(usize) -> bool,
     ) -> bool {
-        let mut missed = problem.missed();
-        for step in 0..STEPS {
-            if missed <= ENOUGH {
+        let swept = problem.missed();
+        self.swept.clear();
+        self.swept.extend_from_slice(problem.forces());
+        let mut least = swept;
+        // Far off, which rows slip is not known: most often none of those that carry does.
+        for lies in [false, true] {
+            if least <= ENOUGH {
                 break;
             }
-            self.before.clear();
-            self.before.extend_from_slice(problem.forces());
-            let Some(size) = self.choose(problem, &concerns) else {
+            if lies {
+                self.best.clear();
+                self.best.extend_from_slice(problem.forces());
+                problem.restore(matrix, &self.swept);
+            }
+            let Some(missed) = self.run(problem, matrix, &concerns, lies) else {
                 return false;
             };
+            if lies && missed >= least {
+                problem.restore(matrix, &self.best);
+            }
+            least = missed.min(least);
+        }
+        if least < swept {
+            // What is left may be at the edge of a law by rounding.
+            problem.solve(matrix, 1);
+        }
+        true
+    }
+
+    /// Steps until one makes nothing better, and answers with what is missed then. `lies`: in the first one no row slips
+    /// that carries, and all are taken whatever they do.
+    fn run(
+        &mut self,
+        problem: &mut ContactProblem,
+        matrix: &ContactMatrix,
+        concerns: &impl Fn(usize) -> bool,
+        lies: bool,
+    ) -> Option<f64> {
+        let mut missed = problem.missed();
+        for step in 0..STEPS {
+            let first = lies && step == 0;
+            let size = self.choose(problem, concerns, first)?;
+            self.before.clear();
+            self.before.extend_from_slice(problem.forces());
             if !self.step(problem, matrix, size) {
+                problem.restore(matrix, &self.before);
                 break;
             }
             let mut now = problem.missed();
-            if std::env::var_os("DBG").is_some() { eprintln!("direct {step} {size} unknowns: {missed:.2e} -> {now:.2e}"); }
+            if std::env::var_os("DBG").is_some() { eprintln!("direct {lies} {step} {size} unknowns: {missed:.2e} -> {now:.2e}"); }
             for _ in 0..HALVED {
-                if now < missed {
+                if lies || now < missed {
                     break;
                 }
                 let shorter = self.after.iter_mut().zip(&self.before);
                 shorter.for_each(|(after, before)| *after = 0.5 * (*after + before));
                 problem.restore(matrix, &self.after);
                 now = problem.missed();
-            if std::env::var_os("DBG").is_some() { eprintln!("   half {missed:.2e} -> {now:.2e}"); }
             }
-            let better = now < missed;
+            let better = lies || now < missed;
             if !better {
                 problem.restore(matrix, &self.before);
                 break;
             }
             missed = now;
+            if missed <= ENOUGH {
+                break;
+            }
         }
-        // The last step may have left a force at the edge of its law by rounding.
-        problem.solve(matrix, 1);
-        true
+        Some(missed)
     }
 
-    /// Takes the rows that may change, and answers with the number of unknowns; `None` for too many.
+    /// Takes the rows that may change, and answers with the number of unknowns; `None` for too many. `sticks`: those that
+    /// carry do not slip.
     fn choose(
         &mut self,
         problem: &ContactProblem,
         concerns: &impl Fn(usize) -> bool,
+        sticks: bool,
     ) -> Option<usize> {
         self.active.clear();
         let mut start = 0;
         for row in (0..problem.rows()).filter(|&row| concerns(row)) {
             let wish = problem.wish(row);
-            let Some((allowed, slope)) = project(&problem.law(row), problem.normal(row), &wish)
-            else {
+            let projected = project(&problem.law(row), problem.normal(row), &wish);
+            let Some((mut allowed, mut slope)) = projected else {
                 continue;
             };
+            if sticks && slope != Matrix3::zeros() {
+                (allowed, slope) = (wish, Matrix3::identity());
+            }
             let unknowns = match (slope == Matrix3::zeros(), problem.is_whole(row)) {
                 (true, _) => 0,
                 (false, true) => 3,

@@ -264,12 +264,15 @@ impl ContactProblem {
             let force = self.force_n(i);
             let mut row = self.rows[i].clone();
             let next = row.next(&force, &self.displaced_m(i), &self.stiffness[i]);
+            // A number that is none stays.
+            most += 0.0 * (next - force).norm_squared();
             most = most.max((next - force).norm_squared());
             largest = largest.max(next.norm_squared());
         }
-        match largest > 0.0 {
-            true => (most / largest).sqrt(),
-            false => 0.0,
+        match (largest > 0.0, (most + largest).is_finite()) {
+            (_, false) => f64::INFINITY,
+            (true, true) => (most / largest).sqrt(),
+            (false, true) => 0.0,
         }
     }
 
