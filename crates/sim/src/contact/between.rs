@@ -1,5 +1,6 @@
 //! Bodies against each other, and against themselves.
 
+use super::bounce;
 use super::feet::{MAX_FEET, margin_m, meet, moving, push_between};
 use super::meeting::Meeting;
 use super::search::Search;
@@ -213,12 +214,11 @@ pub(super) fn bodies(search: &mut Search<'_>, p: usize, other: usize) {
         }),
     };
     // Rigid faces share what they bear.
-    let shares = views.iter().all(Option::is_none) && warm.of_pair(p).any(|row| row.force_n > 0.0);
+    let shares = warm.of_pair(p).any(|row| row.force_n > 0.0);
     meeting.push_feet(rows, contacts, warm.rows());
-    if shares {
-        rows.of_pair_mut()
-            .iter_mut()
-            .for_each(|row| row.ease = EASE);
+    if views.iter().all(Option::is_none) {
+        let ease = if shares { EASE } else { bounce::TRACE };
+        (rows.of_pair_mut().iter_mut()).for_each(|row| row.ease = ease);
     }
 }
 

@@ -15,6 +15,10 @@ const PARTING_M_S: f64 = 0.05;
 const REST_M_S: f64 = 0.01;
 const REST_TICKS: f64 = 4.0;
 
+/// How much more than by its bodies a row gives way that meets, so that more rows than bodies have ways to move have
+/// an answer.
+pub(super) const TRACE: f64 = 1e-3;
+
 /// What lies inside another rigid body, of which one is free, is not thrown out.
 pub(crate) fn meet(scene: &Scene, rows: &mut [Row]) {
     let most_m = PARTING_M_S * scene.dt_s;
@@ -24,7 +28,7 @@ pub(crate) fn meet(scene: &Scene, rows: &mut [Row]) {
             continue;
         }
         if (row.now_m - row.gap_m) / scene.dt_s > rest_m_s {
-            row.ease = 0.0;
+            row.ease = row.ease.min(TRACE);
         }
         if row.now_m < -most_m {
             row.gap_m -= row.now_m + most_m;

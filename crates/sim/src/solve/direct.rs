@@ -14,7 +14,7 @@ use palpate_geometry::math::{Matrix3, Vector3};
 /// Most unknowns of a step: its work grows with their cube.
 const MOST: usize = 288;
 /// Steps of a solve.
-const STEPS: usize = 5;
+const STEPS: usize = 12;
 /// How often a step that makes nothing better is halved.
 const HALVED: usize = 3;
 /// A solve is at its end when no force is wrong by more than this share of the largest.

@@ -21,8 +21,9 @@ pub struct Solver {
     pub problem: ContactProblem,
     /// Ends solves of bodies that move freely.
     pub direct: Direct,
-    /// By body, then by tool: it is in touch with such a body, through others that give way too.
-    pub concerned: Vec<bool>,
+    /// By body, then by tool: mass of the heaviest body that it is in touch with, through others that give way too; 0
+    /// where none of them is free and rigid.
+    pub heaviest_kg: Vec<f64>,
     /// By row: how it meets and parts.
     pub impacts: Impacts,
     /// By row: where it sticks if it does not slip.

@@ -8,7 +8,7 @@
 use crate::contact::warm::{Warm, WarmRow};
 use crate::contact::{bounce, dent, stick};
 use crate::party::{BodyScratch, BodyState, Party as _, Problem, ToolScratch, ToolState};
-use crate::scene::Scene;
+use crate::scene::{Body, Scene};
 use crate::solve::friction::FrictionLaw;
 use crate::solve::hold::{Barrier, hold};
 use crate::solve::indentation::Indentation;
@@ -22,8 +22,6 @@ use palpate_geometry::math::Vector3;
 const SWEEPS: usize = 50;
 /// Sweeps in which rows of free rigid bodies find out which of them carry and which slip.
 const FREE_SWEEPS: usize = 30;
-/// How far what lies sinks in so that its rows share their force, m: a tenth of g dt² at 1 kHz.
-const SINKS_M: f64 = 1e-6;
 /// Fewest sweeps under lower quality, where there are as many.
 const LEAST_SWEEPS: usize = 10;
 /// Weight of a row that carries, relative to the depth that its force means to the coupling.
@@ -74,6 +72,7 @@ impl Balance<'_> {
             matrix, impacts, ..
         } = &mut *self.solver;
         bounce::part(scene, &mut self.rows.rows, matrix, impacts);
+        self.weigh_groups();
         for i in 0..self.rows.rows.len() {
             let row = self.rows.rows[i];
             let old = self.warm.of_row(row.id).copied().unwrap_or_default();
@@ -87,19 +86,18 @@ impl Balance<'_> {
         self.solve_again();
     }
 
-    /// Lets a row between bodies give way more, but not so that what presses sinks in: under a heavy body a light one
-    /// would.
+    /// Lets a row between bodies give way more, by a share of what the heaviest body of its group would: a light one does
+    /// not sink in under it.
     fn ease_of_bodies(&mut self, i: usize) {
         let row = &self.rows.rows[i];
-        if row.ease == 0.0 {
+        let heaviest_kg = giving(self.scene, row).map(|party| self.solver.heaviest_kg[party]);
+        let heaviest_kg = heaviest_kg.fold(0.0, f64::max);
+        if row.ease == 0.0 || heaviest_kg == 0.0 {
             return;
         }
-        let of_pair = |other: &&Row| other.id.pair == row.id.pair;
-        let count = self.rows.rows.iter().filter(of_pair).count();
-        let forces = self.warm.of_pair(row.id.pair as usize);
-        let whole_n: f64 = forces.map(|old| old.force_n.max(0.0)).sum();
-        let means_m = self.solver.matrix.along(i) * whole_n / count as f64;
-        let ease = row.ease.min(SINKS_M / means_m);
+        let of_heaviest_m_n = self.scene.dt_s * self.scene.dt_s / heaviest_kg;
+        let share = of_heaviest_m_n / self.solver.matrix.along(i);
+        let ease = row.ease * share.min(1.0);
         self.rows.rows[i].ease = ease;
         self.solver.matrix.ease(i, ease);
     }
@@ -141,19 +139,20 @@ impl Balance<'_> {
             self.solver.sticks.push(stuck);
             self.solver.problem.set_free(i, row.gap_m, &slip);
         }
-        let (sweeps, any_free) = (self.sweeps(), self.concern_free());
+        let sweeps = self.sweeps();
         let Solver {
             problem,
             matrix,
             direct,
-            concerned,
+            heaviest_kg,
             ..
         } = &mut *self.solver;
+        let any_free = heaviest_kg.iter().any(|kg| *kg > 0.0);
         let first = if any_free { sweeps.min(FREE_SWEEPS) } else { sweeps };
         problem.solve(matrix, first);
         let concerns = |i: usize| {
             let row = &self.rows.rows[i];
-            giving(scene, row).any(|party| concerned[party])
+            giving(scene, row).any(|party| heaviest_kg[party] > 0.0)
         };
         if any_free && !direct.end(problem, matrix, concerns) {
             problem.solve(matrix, sweeps);
@@ -165,29 +164,38 @@ impl Balance<'_> {
         }
     }
 
-    /// Marks free rigid bodies that touch something, and all that they touch through what gives way; false where there
-    /// are none.
-    fn concern_free(&mut self) -> bool {
+    /// Weighs the groups of bodies that touch and give way, of those with a free rigid body among them: by party the mass
+    /// of the heaviest, 0 of others.
+    fn weigh_groups(&mut self) {
         let (scene, rows) = (self.scene, &self.rows.rows);
-        let concerned = &mut self.solver.concerned;
-        concerned.fill(false);
+        let heaviest_kg = &mut self.solver.heaviest_kg;
+        heaviest_kg.fill(0.0);
         let mut any = false;
         for row in rows {
-            for party in giving(scene, row).filter(|&party| party < scene.bodies.len() && scene.is_free(party)) {
-                (concerned[party], any) = (true, true);
+            for party in giving(scene, row) {
+                if let Some(free) = scene.bodies.get(party).and_then(Body::free) {
+                    (heaviest_kg[party], any) = (free.mass.mass_kg, true);
+                }
             }
         }
         let mut more = any;
         while std::mem::take(&mut more) {
             for row in rows {
-                if giving(scene, row).any(|party| concerned[party]) {
-                    for party in giving(scene, row) {
-                        more |= !std::mem::replace(&mut concerned[party], true);
+                let most_kg = giving(scene, row).map(|party| heaviest_kg[party]);
+                let most_kg = most_kg.fold(0.0, f64::max);
+                for party in giving(scene, row).filter(|_| most_kg > 0.0) {
+                    let own_kg = &mut heaviest_kg[party];
+                    if *own_kg == 0.0 {
+                        let soft = scene.bodies.get(party).and_then(Body::deforming);
+                        *own_kg = soft.map_or(0.0, |soft| soft.deformable.mass_kg());
+                        more = true;
+                    }
+                    if *own_kg < most_kg {
+                        (*own_kg, more) = (most_kg, true);
                     }
                 }
             }
         }
-        any
     }
 
     /// A row's law in this tick; `old`: the row in the last one.

@@ -121,7 +121,7 @@ impl Scene {
                 matrix: ContactMatrix::new(most_rows, directions),
                 problem: ContactProblem::new(most_rows, directions),
                 direct: Direct::new(most_rows, if free { directions } else { 0 }),
-                concerned: vec![false; self.bodies.len() + self.tools.len()],
+                heaviest_kg: vec![0.0; self.bodies.len() + self.tools.len()],
                 impacts: Impacts::new(most_rows),
                 sticks: Vec::with_capacity(most_rows),
                 shares: Vec::with_capacity(most_rows),
