@@ -43,12 +43,7 @@ fn rest_m_s(scene: &Scene) -> f64 {
 }
 
 /// Rows of pairs with a restitution that meet within the tick part as fast as they do after all impacts.
-pub(crate) fn part(
-    scene: &Scene,
-    rows: &mut [Row],
-    matrix: &ContactMatrix,
-    impacts: &mut Impacts,
-) {
+pub(crate) fn part(scene: &Scene, rows: &mut [Row], matrix: &ContactMatrix, impacts: &mut Impacts) {
     let restitution = |row: &Row| scene.pairs[row.id.pair as usize].restitution;
     if rows.iter().all(|row| restitution(row) <= 0.0) {
         return;

@@ -69,19 +69,24 @@ pub(crate) fn on_soft(
     size_m: f64,
     sides: [f64; 2],
 ) -> Option<Contact> {
-    let (uv, st) = (
-        remembered.uv,
-        [remembered.on_tool.x, remembered.on_tool.y],
-    );
+    let (uv, st) = (remembered.uv, [remembered.on_tool.x, remembered.on_tool.y]);
     let (on_body, on_tool, normal, gap_m, [u, v], st) = match holder_deforms {
         true => {
             let point = holder.surface.point(st[0], st[1]);
-            let Below { foot, normal, gap_m } = below(&point, body, uv, sides[0], size_m)?;
+            let Below {
+                foot,
+                normal,
+                gap_m,
+            } = below(&point, body, uv, sides[0], size_m)?;
             (foot.point, point, normal, gap_m, [foot.u, foot.v], st)
         }
         false => {
             let point = body.surface.point(uv[0], uv[1]);
-            let Below { foot, normal, gap_m } = below(&point, holder, st, sides[1], size_m)?;
+            let Below {
+                foot,
+                normal,
+                gap_m,
+            } = below(&point, holder, st, sides[1], size_m)?;
             (point, foot.point, -normal, gap_m, uv, [foot.u, foot.v])
         }
     };

@@ -42,6 +42,9 @@ pub(super) struct Meeting<'a> {
 /// Rows beyond which none is added to span a face.
 const SPANNED: usize = 9;
 
+/// A contact this much deeper than those that are kept comes beside them, relative to the size.
+const DEEPER: f64 = 1e-7;
+
 /// Points of a free body closer than this, relative to what makes two contacts one foot, are one.
 const SAME_POINT: f64 = 0.1;
 
@@ -70,50 +73,59 @@ impl Meeting<'_> {
                     contact: &Contact,
                     points: &mut [Point3],
                     pushed: &mut usize| {
-                let Self { views, steps, .. } = self;
-                push_between(
-                    rows,
-                    self.p,
-                    self.pair,
-                    key,
-                    contact,
-                    views,
-                    steps,
-                    self.margin_m,
-                );
-                points[*pushed] = contact.on_tool;
-                *pushed += 1;
-            };
-        // What spans a face comes after what was there, so that a body that lies keeps its points.
+            let Self { views, steps, .. } = self;
+            push_between(
+                rows,
+                self.p,
+                self.pair,
+                key,
+                contact,
+                views,
+                steps,
+                self.margin_m,
+            );
+            points[*pushed] = contact.on_tool;
+            *pushed += 1;
+        };
         let spans = |contact: &&Contact| contact.point == ToolPoint::Round;
         let deepest = found.iter().filter(|contact| !spans(contact));
         let near = |points: &[Point3], point: &Point3, apart_m: f64| {
             points.iter().any(|other| (other - point).norm() < apart_m)
         };
-        // Where something deforms, microns decide which point is deepest: those that carried carry on.
-        let deforms = self.views.each_ref().map(Option::is_some);
-        if deforms.contains(&true) {
-            for row in warm.iter().filter(|row| row.id.pair as usize == self.p) {
-                if !row.id.key.is_foot() || pushed == MAX_FEET {
-                    continue;
-                }
-                let on = [self.parts, self.theirs];
-                let found = lying::on_soft(row, deforms[1], on, self.size_m, self.sides);
-                let apart_m = SAME_POINT * self.same_m;
-                if let Some(contact) = found.filter(|contact| {
-                    !self.is_held(rows, contact)
-                        && !near(&points[..pushed], &contact.on_tool, apart_m)
-                }) {
-                    push(rows, row.id.key, &contact, &mut points, &mut pushed);
+        let own = || {
+            warm.iter()
+                .filter(|row| row.id.pair as usize == self.p && row.id.key.is_foot())
+        };
+        let apart_m = SAME_POINT * self.same_m;
+        // Where something deforms or a face lies, rounding decides which point is deepest: those that carried carry on.
+        let deforms = self.views.iter().any(Option::is_some);
+        if deforms || self.lies.is_some() && found.iter().any(|contact| spans(&contact)) {
+            let mut kept_m = f64::NEG_INFINITY;
+            for (carried, most) in [(true, MAX_FEET), (false, SPANNED)] {
+                for row in own().filter(|row| (row.force_n > 0.0) == carried) {
+                    let again = self.again(row).filter(|contact| {
+                        !near(&points[..pushed], &contact.on_tool, apart_m)
+                            && !self.is_held(rows, contact)
+                    });
+                    if let Some(contact) = again.filter(|_| pushed < most) {
+                        kept_m = kept_m.max(contact.depth_m);
+                        push(rows, row.id.key, &contact, &mut points, &mut pushed);
+                    }
                 }
             }
-            for contact in deepest {
+            let deeper_m = kept_m + DEEPER * self.size_m;
+            for contact in deepest.chain(found.iter().filter(spans)) {
                 let number = (!used).trailing_zeros();
-                if number >= FEET_OF_PAIR || pushed == MAX_FEET {
+                let most = match spans(&contact) || contact.depth_m <= deeper_m {
+                    true => SPANNED,
+                    false => MAX_FEET,
+                };
+                if number >= FEET_OF_PAIR {
                     return;
                 }
-                if !self.is_held(rows, contact)
+                if pushed < most
                     && !near(&points[..pushed], &contact.on_tool, self.same_m)
+                    && !self.is_held(rows, contact)
                 {
                     used |= 1 << number;
                     let key = RowKey::foot(number as usize);
@@ -140,35 +152,29 @@ impl Meeting<'_> {
             let key = RowKey::foot(number as usize);
             push(rows, key, contact, &mut points, &mut pushed);
         }
-        if let Some(holder) = &self.lies {
-            for row in warm.iter().filter(|row| row.id.pair as usize == self.p) {
-                let RowKey::Foot(number) = row.id.key else {
-                    continue;
-                };
-                let is_left = old[..count].iter().any(|(_, left)| *left == number);
-                if !is_left || pushed == MAX_FEET {
-                    continue;
-                }
-                let found = lying::again(row, holder, self.parts, self.size_m, self.sides[0]);
-                let apart_m = SAME_POINT * self.same_m;
-                if let Some(contact) =
-                    found.filter(|contact| !near(&points[..pushed], &contact.on_tool, apart_m))
-                {
-                    push(rows, row.id.key, &contact, &mut points, &mut pushed);
-                }
+        for row in own().filter(|_| self.lies.is_some()) {
+            let is_left = |(_, left): &(Point3, u8)| RowKey::Foot(*left) == row.id.key;
+            if !old[..count].iter().any(is_left) || pushed == MAX_FEET {
+                continue;
+            }
+            let again = self.again(row);
+            if let Some(contact) =
+                again.filter(|contact| !near(&points[..pushed], &contact.on_tool, apart_m))
+            {
+                push(rows, row.id.key, &contact, &mut points, &mut pushed);
             }
         }
-        for contact in found.iter().filter(spans) {
-            let number = (!used).trailing_zeros();
-            if number >= FEET_OF_PAIR || pushed >= SPANNED {
-                return;
-            }
-            if !near(&points[..pushed], &contact.on_tool, self.same_m) {
-                used |= 1 << number;
-                let key = RowKey::foot(number as usize);
-                push(rows, key, contact, &mut points, &mut pushed);
-            }
+    }
+
+    /// The contact of a foot of the last tick, where it now is.
+    fn again(&self, row: &WarmRow) -> Option<Contact> {
+        let [mine, theirs] = self.views.each_ref().map(Option::is_some);
+        if mine || theirs {
+            let on = [self.parts, self.theirs];
+            return lying::on_soft(row, theirs, on, self.size_m, self.sides);
         }
+        let holder = self.lies.as_ref()?;
+        lying::again(row, holder, self.parts, self.size_m, self.sides[0])
     }
 
     /// Samples on all sides of a contact are pressed: what rises between them is a bulge, and no foot.

@@ -123,7 +123,6 @@ impl Direct {
                 break;
             }
             let mut now = problem.missed();
-            if std::env::var_os("DBG").is_some() { eprintln!("direct {lies} {step} {size} unknowns: {missed:.2e} -> {now:.2e}"); }
             for _ in 0..HALVED {
                 if lies || now < missed {
                     break;
@@ -184,12 +183,7 @@ impl Direct {
     }
 
     /// One step of Newton's method; false where its matrix has no inverse.
-    fn step(
-        &mut self,
-        problem: &mut ContactProblem,
-        matrix: &ContactMatrix,
-        size: usize,
-    ) -> bool {
+    fn step(&mut self, problem: &mut ContactProblem, matrix: &ContactMatrix, size: usize) -> bool {
         // What does not carry has no force, whatever the others do.
         for of in self.active.iter().filter(|of| of.unknowns == 0) {
             if problem.carries(of.row) {

@@ -243,11 +243,7 @@ impl ContactProblem {
     /// Force that would bring a row to rest by itself, after a solve, N.
     pub fn wish(&self, i: usize) -> Vector3 {
         let row = &self.rows[i];
-        row.wish(
-            &self.force_n(i),
-            &self.displaced_m(i),
-            &self.stiffness[i],
-        )
+        row.wish(&self.force_n(i), &self.displaced_m(i), &self.stiffness[i])
     }
 
     /// Against a row's own displacement, no more than it has, N/m.

@@ -148,7 +148,11 @@ impl Balance<'_> {
             ..
         } = &mut *self.solver;
         let any_free = heaviest_kg.iter().any(|kg| *kg > 0.0);
-        let first = if any_free { sweeps.min(FREE_SWEEPS) } else { sweeps };
+        let first = if any_free {
+            sweeps.min(FREE_SWEEPS)
+        } else {
+            sweeps
+        };
         problem.solve(matrix, first);
         let concerns = |i: usize| {
             let row = &self.rows.rows[i];
@@ -323,7 +327,10 @@ fn giving(scene: &Scene, row: &Row) -> impl Iterator<Item = usize> + use<> {
         Holder::Tool(tool) => scene.bodies.len() + tool as usize,
     };
     let gives = |party: usize| scene.bodies.get(party).is_none_or(|body| !body.is_firm());
-    [body, holder].map(|party| gives(party).then_some(party)).into_iter().flatten()
+    [body, holder]
+        .map(|party| gives(party).then_some(party))
+        .into_iter()
+        .flatten()
 }
 
 /// Rows of a tool.
