@@ -69,6 +69,8 @@ pub struct PairSolver {
     on_tool: Regions,
     touch: touch::Touch,
     facing: Vec<StationaryPair>,
+    /// Places of a sheet below a tool's.
+    starts: Vec<(f64, f64)>,
     /// The side of a sheet that the last query found in touch, +1 or −1.
     side: Option<f64>,
     /// Queries answer with a manifold.
@@ -87,6 +89,7 @@ impl PairSolver {
             on_tool: Regions::new(&tool_cells),
             touch: touch::Touch::new(tool_solver.pieces(tool).len()),
             facing: Vec::with_capacity(MOST_FACING),
+            starts: Vec::with_capacity(2 * tool_cells.cell_count()),
             side: None,
             spreads: false,
             body: body_cells,
@@ -283,6 +286,13 @@ impl PairSolver {
             let pairs = self.facing.iter().copied();
             self.on_body
                 .find(&mut upper, &mut self.body, &mut below, pairs, margin_m);
+            let in_touch = |region: &PairRegion| region.top.sounding.depth_m >= 0.0;
+            if !self.body.closed && !self.on_body.found.iter().any(in_touch) {
+                let starts = &mut self.starts;
+                places_below(&mut upper, &self.body, &mut below, starts);
+                self.on_body
+                    .find_from(&mut upper, &mut self.body, &mut below, starts, margin_m);
+            }
             if self.spreads {
                 (self.on_body).spread(&self.body, &mut below, margin_m, std::iter::empty());
             }
@@ -334,6 +344,28 @@ impl PairSolver {
     fn is_through(&self, sheet: &Surface, top: &Top) -> bool {
         let side = self.side.unwrap_or(0.0);
         side * cosine(sheet, top) < -FACES && !on_rim(sheet, top)
+    }
+}
+
+/// The feet, on a sheet, of the corners of those cells of a tool that touch it: all of the tool may lie between vertices of
+/// the sheet.
+fn places_below(
+    sheet: &mut Upper<'_>,
+    cells: &Cells,
+    tool: &mut Below<'_>,
+    to: &mut Vec<(f64, f64)>,
+) {
+    to.clear();
+    for cell in (0..tool.cells.cell_count()).filter(|&cell| tool.cells.touched[cell]) {
+        let corners = tool.cells.corners(cell);
+        for vertex in [corners[0], corners[2]] {
+            let (s, t) = tool.cells.parameters(vertex as usize);
+            let point = tool.solver.frame_at(tool.surface, s, t).point;
+            let foot = sheet.solver.rough(sheet.surface, &point);
+            if !cells.on_open_edge(foot.u, foot.v) {
+                to.push((foot.u, foot.v));
+            }
+        }
     }
 }
 

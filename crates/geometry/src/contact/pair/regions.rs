@@ -196,6 +196,35 @@ impl Regions {
         self.gather(cells);
     }
 
+    /// Finds the region around the deepest of these places of `upper`, after a search that found none: it may lie
+    /// between vertices.
+    pub fn find_from(
+        &mut self,
+        upper: &mut Upper<'_>,
+        cells: &mut Cells,
+        below: &mut Below<'_>,
+        starts: &[(f64, f64)],
+        margin_m: f64,
+    ) {
+        let mut deepest = None;
+        let mut most_m = -self.flat_m;
+        for &(u, v) in starts {
+            let point = upper.solver.frame_at(upper.surface, u, v).point;
+            let (depth_m, foot) = below.rough(&point);
+            if depth_m >= most_m {
+                (deepest, most_m) = (Some(((u, v), foot)), depth_m);
+            }
+        }
+        let Some(((u, v), foot)) = deepest else {
+            return;
+        };
+        let cell = cells.cell_at(u, v);
+        cells.look(upper.surface, upper.solver.pieces_now(), cell);
+        self.climb(upper, cells, below, (u, v), foot, margin_m, None);
+        self.found.clear();
+        self.gather(cells);
+    }
+
     /// Which vertices are outside, and the depth of the others.
     fn classify(
         &mut self,
