@@ -1,6 +1,7 @@
 """Writes the surfaces of the spoon scenarios: python3 scenes/surfaces.py (no packages needed).
 
 handle.json: a strip of 150 mm × 16 mm in z = 0, normal +z, u along it; scenes give it its thickness.
+puck.json: a cylinder of radius 20 mm and height 20 mm on z = 0 with flat faces and a rim rounded by half a millimetre.
 bowl.json: a bowl of 60 mm × 40 mm, its tip at x = -60 mm, its neck at x = 0, where it is as wide as the handle; 12 mm
 deep for the merge, 6 mm for the jelly. Control points are places of these functions, so that the surfaces are smooth versions of them.
 """
@@ -48,6 +49,31 @@ def bowl(deep):
     return at
 
 
+def puck(radius, height):
+    around = 12
+    # A cubic B-spline is inside of its polygon by this.
+    out = 3 / (2 + math.cos(2 * math.pi / around))
+    rim = 0.025 * height
+    # Four rows in a plane make a span of it.
+    face = [0.0, 0.3, 0.6, 0.85, 0.95]
+    profile = [(part, 0.0) for part in face] + [(1.0, z) for z in (rim, 0.5 * height, height - rim)]
+    profile += [(part, height) for part in reversed(face)]
+    points = []
+    for k in range(around):
+        angle = 2 * math.pi * k / around
+        ring = [(out * part * radius * math.cos(angle), out * part * radius * math.sin(angle), z) for part, z in profile]
+        points.append([[round(x, 12) for x in point] for point in ring])
+    return {
+        "format": "palpate.surface.v1",
+        "name": "puck",
+        "degree": [3, 3],
+        "periodic": [True, False],
+        "knots": [[k / around for k in range(around + 1)], knots(len(profile))],
+        "points": points,
+        "flip_normal": False,
+    }
+
+
 def write(document, *folders):
     for folder in folders:
         path = HERE / folder / f"{document['name']}.json"
@@ -57,3 +83,4 @@ def write(document, *folders):
 write(surface("handle", (16, 6), handle), "spoon-bend", "spoon-grip", "spoon-merge", "spoon-weight")
 write(surface("bowl", (12, 10), bowl(0.012)), "spoon-merge")
 write(surface("bowl", (12, 10), bowl(0.006)), "jelly", "jelly-shake")
+write(puck(0.02, 0.02), "stack")

@@ -216,7 +216,7 @@ pub(super) fn bodies(search: &mut Search<'_>, p: usize, other: usize) {
     // Rigid faces share what they bear.
     let shares = warm.of_pair(p).any(|row| row.force_n > 0.0);
     meeting.push_feet(rows, contacts, warm.rows());
-    if views.iter().all(Option::is_none) {
+    if views.iter().all(Option::is_none) && rows.of_pair().len() > 2 {
         let ease = if shares { EASE } else { bounce::TRACE };
         (rows.of_pair_mut().iter_mut()).for_each(|row| row.ease = ease);
     }

@@ -45,6 +45,9 @@ const SPANNED: usize = 9;
 /// A contact this much deeper than those that are kept comes beside them, relative to the size.
 const DEEPER: f64 = 1e-7;
 
+/// Feet of a body that deforms that hold it still.
+const STANDS: usize = 3;
+
 /// Points of a free body closer than this, relative to what makes two contacts one foot, are one.
 const SAME_POINT: f64 = 0.1;
 
@@ -97,16 +100,21 @@ impl Meeting<'_> {
                 .filter(|row| row.id.pair as usize == self.p && row.id.key.is_foot())
         };
         let apart_m = SAME_POINT * self.same_m;
-        // Where something deforms or a face lies, rounding decides which point is deepest: those that carried carry on.
+        // Where a face lies, rounding decides which point is deepest: those that carried carry on.
         let deforms = self.views.iter().any(Option::is_some);
-        if deforms || self.lies.is_some() && found.iter().any(|contact| spans(&contact)) {
+        let lies = match deforms {
+            true => own().filter(|row| row.force_n > 0.0).count() >= STANDS,
+            false => self.lies.is_some() && found.iter().any(|contact| spans(&contact)),
+        };
+        if lies {
             let mut kept_m = f64::NEG_INFINITY;
             for (carried, most) in [(true, MAX_FEET), (false, SPANNED)] {
                 for row in own().filter(|row| (row.force_n > 0.0) == carried) {
-                    let again = self.again(row).filter(|contact| {
+                    let apart = |contact: &Contact| {
                         !near(&points[..pushed], &contact.on_tool, apart_m)
                             && !self.is_held(rows, contact)
-                    });
+                    };
+                    let again = self.again(row).filter(apart);
                     if let Some(contact) = again.filter(|_| pushed < most) {
                         kept_m = kept_m.max(contact.depth_m);
                         push(rows, row.id.key, &contact, &mut points, &mut pushed);
@@ -157,10 +165,8 @@ impl Meeting<'_> {
             if !old[..count].iter().any(is_left) || pushed == MAX_FEET {
                 continue;
             }
-            let again = self.again(row);
-            if let Some(contact) =
-                again.filter(|contact| !near(&points[..pushed], &contact.on_tool, apart_m))
-            {
+            let apart = |contact: &Contact| !near(&points[..pushed], &contact.on_tool, apart_m);
+            if let Some(contact) = self.again(row).filter(apart) {
                 push(rows, row.id.key, &contact, &mut points, &mut pushed);
             }
         }
