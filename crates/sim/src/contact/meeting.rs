@@ -45,8 +45,8 @@ const SPANNED: usize = 9;
 /// A contact this much deeper than those that are kept comes beside them, relative to the size.
 const DEEPER: f64 = 1e-7;
 
-/// Feet of a body that deforms that hold it still.
-const STANDS: usize = 3;
+/// So many feet that carry are a face of a body that deforms.
+const STANDS: usize = 6;
 
 /// Points of a free body closer than this, relative to what makes two contacts one foot, are one.
 const SAME_POINT: f64 = 0.1;

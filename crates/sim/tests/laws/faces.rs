@@ -1,7 +1,7 @@
 //! Free rigid bodies with flat faces: how they slide, spin, lie and stand on each other.
 
 use crate::common::World;
-use palpate_geometry::math::{Point3, Vector3};
+use palpate_geometry::math::{Point3, Random, Vector3};
 use palpate_sim::tick::RigidMotion;
 
 const FAR: [f64; 3] = [5.0, 5.0, 5.0];
@@ -175,5 +175,92 @@ fn a_stack_of_pucks_rests() {
             "it crept to {}",
             top.centre
         );
+    }
+}
+
+// What gives way in a contact must not be measured by the light body alone: under a heavy one it would sink in.
+#[test]
+fn a_heavy_puck_stands_on_light_ones() {
+    for (count, ratio) in [(1, 10.0), (1, 1_000.0), (2, 100.0)] {
+        let mut text = String::new();
+        for k in 0..=count {
+            let density = if k == count { 100.0 * ratio } else { 100.0 };
+            let z = 0.02002 * f64::from(k) + 2e-5;
+            text += &puck(&format!("p{k}"), PUCK, z, density, "");
+        }
+        text += &rub("p0", "floor", 0.3);
+        for k in 0..count {
+            text += &rub(&format!("p{k}"), &format!("p{}", k + 1), 0.3);
+        }
+        let mut world = world(0.0, &text);
+        let bodies = count as usize + 1;
+        let ticks = (0..1_000).find(|_| {
+            world.at_in_place(FAR);
+            (1..=bodies).all(|b| world.state.is_left_alone(b))
+        });
+        let top = motion(&world, bodies).centre;
+        let stands_m = 0.02 * f64::from(count) + 0.01;
+        println!("{ratio} : 1 on {count}: asleep after {ticks:?} ticks, top at {top}");
+        assert!(ticks.is_some(), "{ratio} : 1 on {count} never rests");
+        assert!(
+            (top.z - stands_m).abs() < 5e-6 && top.coords.xy().norm() < 5e-6,
+            "{ratio} : 1 on {count}: the top is at {top}"
+        );
+    }
+}
+
+// A body between the grid points of a sheet is below none of them.
+#[test]
+fn a_small_face_lies_anywhere_on_a_large_sheet() {
+    let mut random = Random(41);
+    for _ in 0..6 {
+        let at = [0, 1].map(|_| 1.8 * random.unit() - 0.9);
+        let lying = puck("p", [0.012, 0.008], 1e-5, 1000.0, "");
+        let lying = lying.replace(
+            "position = [0.0, 0.0,",
+            &format!("position = [{:?}, {:?},", at[0], at[1]),
+        );
+        let mut world = world(0.0, &format!("{lying}{}", rub("p", "floor", 0.3)));
+        for _ in 0..40 {
+            world.at_in_place(FAR);
+        }
+        let centre = motion(&world, 1).centre;
+        let off = centre - Point3::new(at[0], at[1], 0.004);
+        assert!(off.norm() < 3e-6, "at {at:?} it is off by {off}");
+    }
+}
+
+// Feet of a face that gives way change with every micron: those that carried must carry on, or it creeps.
+#[test]
+fn a_soft_puck_rests_on_a_slope_below_the_angle_of_friction_and_slides_above_it() {
+    let mu = 0.3;
+    for share in [0.5, 0.95, 1.1] {
+        let slope = libm::atan(share * mu);
+        let soft = "young_pa = 200e3, poisson = 0.3, density_kg_m3 = 1000.0, damping_s = 2e-3";
+        let soft = puck("p", PUCK, 2e-5, 1000.0, "model = \"continuum\"\n")
+            .replace("free = true\n", "")
+            .replace("density_kg_m3 = 1000.0", soft);
+        let mut world = world(slope, &format!("{soft}{}", rub("p", "floor", mu)));
+        let net = |world: &World| {
+            let mut points = world.scene.rest_surface(1).net().points().to_vec();
+            world.state.copy_net(&world.scene, 1, &mut points);
+            points.iter().map(|p| p.x).sum::<f64>() / points.len() as f64
+        };
+        for _ in 0..250 {
+            world.at_in_place(FAR);
+        }
+        let before = net(&world);
+        for _ in 0..100 {
+            world.at_in_place(FAR);
+        }
+        let went_m = net(&world) - before;
+        // From rest, less the ticks in which it settles.
+        let pull = G * (libm::sin(slope) - mu * libm::cos(slope));
+        let free_m = 0.5 * pull * (0.35f64.powi(2) - 0.25f64.powi(2));
+        println!("{share} of the angle of friction: {went_m:.2e} m, Coulomb {free_m:.2e}");
+        match share < 1.0 {
+            true => assert!(went_m.abs() < 1e-7, "it creeps by {went_m} m in 0.1 s"),
+            false => assert!((went_m / free_m - 1.0).abs() < 0.1, "{went_m} for {free_m}"),
+        }
     }
 }
