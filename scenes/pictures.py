@@ -31,6 +31,7 @@ PANELS = {
     "jelly-shake": ([("8 degrees", 4000, "8°"), ("8 degrees, shaken along", 4000, "shaken along"), ("8 degrees, shaken across", 4000, "shaken across"), ("8 degrees sideways, shaken so", 4000, "sideways")], (14, -60)),
     "two-hands": ([("right hand alone", 1150, "one hand"), ("both hands", 1150, "both hands")], (12, -80)),
     "vessel-probe": ([("vessel", 10, "before"), ("vessel", 1350, "probed")], (12, -70)),
+    "stack": ([("tower", 10, "before"), ("tower", 3000, "at rest"), ("leaning", 3000, "on a slope")], (10, -70)),
     "tele-touch": ([("both near", 1000, "both press, near"), ("20 ms away", 1000, "both press, 20 ms away")], (16, -70)),
 }
 

@@ -28,6 +28,7 @@ builtin! {
     "vessel-probe": "scenario.toml", "scene.toml", "probe.toml", "vessel.json", "spine.json";
     "palpation": "scenario.toml", "scene.toml";
     "tele-touch": "scenario.toml", "scene.toml", "left.toml", "right.toml";
+    "stack": "scenario.toml", "scene.toml", "puck.json";
 }
 
 /// Scenes of the program without hands: name and text.

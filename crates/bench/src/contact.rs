@@ -9,6 +9,7 @@ mod cones;
 mod inputs;
 mod methods;
 mod oracle;
+mod rigid;
 mod solids;
 mod still;
 mod surfaces;
@@ -84,6 +85,7 @@ pub fn contact(effort: Effort, cases: Cases<'_>, out: &mut dyn FnMut(Row)) {
     }
     if cases.are_chosen() {
         suite.still(&wanted);
+        suite.rigid(&wanted);
     }
     suite.cones(&wanted);
     for percent in AREAS {

@@ -257,6 +257,10 @@ impl PairSolver {
                 solver: tool_solver,
             };
             for &(x, y) in self.touch.facing() {
+                // Flat on flat, any place will do.
+                if self.facing.len() == MOST_FACING {
+                    break;
+                }
                 let ((am, aw), (bm, bw)) =
                     (self.body.middle(x as usize), self.tool.middle(y as usize));
                 let Some(found) = face(&mut a, &mut b, [am, bm], [aw, bw]) else {
@@ -266,7 +270,7 @@ impl PairSolver {
                     let near = |k: usize, w: f64| (f.at[k] - found.at[k]).abs() < 1e-6 * w;
                     near(0, aw[0]) && near(1, aw[1]) && near(2, bw[0]) && near(3, bw[1])
                 };
-                if self.facing.len() < MOST_FACING && !self.facing.iter().any(same) {
+                if !self.facing.iter().any(same) {
                     self.facing.push(found);
                 }
             }

@@ -145,6 +145,15 @@ impl Regions {
             if way.norm() > margin_m + 1e-11 * upper.size_m && way.dot(&outward) > 0.0 {
                 continue;
             }
+            // Of a face in touch whose depth is known, one place is as good as another.
+            let corners = cells.corners(cell);
+            if corners.iter().all(|&corner| self.inside(corner)) {
+                let depth_m = -way.dot(&outward) / outward.norm();
+                let root = self.root(corners[0]) as usize;
+                if self.best[root] >= depth_m - self.flat_m {
+                    continue;
+                }
+            }
             self.climb(upper, cells, below, (u, v), (s, t), margin_m, None);
         }
         self.order.clear();
