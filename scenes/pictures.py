@@ -18,7 +18,7 @@ import numpy as np
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 HERE = pathlib.Path(__file__).parent
-SKIN = {"bowl": "#9aa7b4", "jelly": "#d1495b", "plate": "#9aa7b4"}
+SKIN = {"bowl": "#9aa7b4", "jelly": "#d1495b", "plate": "#9aa7b4", "floor": "#9aa7b4", "puck-1": "#d1495b"}
 
 # By scenario: panels of (run, tick, title), view (elevation, azimuth), bodies to leave out.
 PANELS = {
@@ -31,7 +31,7 @@ PANELS = {
     "jelly-shake": ([("8 degrees", 4000, "8°"), ("8 degrees, shaken along", 4000, "shaken along"), ("8 degrees, shaken across", 4000, "shaken across"), ("8 degrees sideways, shaken so", 4000, "sideways")], (14, -60)),
     "two-hands": ([("right hand alone", 1150, "one hand"), ("both hands", 1150, "both hands")], (12, -80)),
     "vessel-probe": ([("vessel", 10, "before"), ("vessel", 1350, "probed")], (12, -70)),
-    "stack": ([("tower", 10, "before"), ("tower", 3000, "at rest"), ("leaning", 3000, "on a slope")], (10, -70)),
+    "stack": ([("tower", 2000, "ten alike"), ("heavy on light", 2000, "the second 100 times as heavy")], (10, -70)),
     "tele-touch": ([("both near", 1000, "both press, near"), ("20 ms away", 1000, "both press, 20 ms away")], (16, -70)),
 }
 
@@ -39,7 +39,7 @@ PANELS = {
 # Heights drawn larger, where they would not show.
 STRETCH = {"spoon-grip": 6.0, "plasticine": 10.0, "spoon-weight": 400.0, "tele-touch": 4.0}
 # Only what is nearer to the middle than this, m.
-NEAR = {"plasticine": 0.02}
+NEAR = {"plasticine": 0.02, "stack": 0.06}
 # Bodies left out.
 OUT = {"plate"}
 
