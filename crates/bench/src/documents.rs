@@ -212,8 +212,11 @@ fn inputs(table: &Table, root: &Path) -> anyhow::Result<String> {
     Ok(format!("{:016x}", hash.0))
 }
 
-/// Files in a folder and those below; a file is itself.
+/// Files in a folder and those below, without tests; a file is itself.
 fn gather(path: &Path, found: &mut Vec<PathBuf>) -> anyhow::Result<()> {
+    if path.file_stem().is_some_and(|stem| stem == "tests") {
+        return Ok(());
+    }
     let missing = || format!("cannot read {}, on which a table depends", path.display());
     if path.is_dir() {
         for entry in std::fs::read_dir(path).with_context(missing)? {
