@@ -119,7 +119,8 @@ impl SelfSolver {
             };
             let ((am, aw), (bm, bw)) =
                 (self.cells.middle(x as usize), self.cells.middle(y as usize));
-            if let Some(found) = face(&mut a, &mut b, [am, bm], [aw, bw]) {
+            let found = face(&mut a, &mut b, [am, bm], [aw, bw]);
+            if let Some(found) = found.filter(|found| !found.flat) {
                 self.judge(surface, solver, found.at, [margin_m, fold_m, size_m], out);
             }
         }

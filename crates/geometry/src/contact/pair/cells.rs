@@ -267,6 +267,16 @@ impl Cells {
         one(0, u) * self.counts[1] + one(1, v)
     }
 
+    /// Two cells are one or share a vertex.
+    pub fn touch(&self, a: usize, b: usize) -> bool {
+        let columns = self.counts[1];
+        let apart = |d: usize, x: usize, y: usize| match (x.abs_diff(y), self.wraps[d]) {
+            (apart, true) => apart.min(self.counts[d] - apart),
+            (apart, false) => apart,
+        };
+        apart(0, a / columns, b / columns) <= 1 && apart(1, a % columns, b % columns) <= 1
+    }
+
     /// Parameters of a vertex.
     pub fn parameters(&self, vertex: usize) -> (f64, f64) {
         let columns = self.counts[1] + 1;

@@ -2,6 +2,11 @@
 
 use crate::math::Vector3;
 
+/// Angle to which the normal of a plane is known, rad.
+const FLAT: f64 = 1e-9;
+/// Points this near to a plane, relative to how far they are from each other, lie in it.
+const IN_PLANE: f64 = 1e-12;
+
 /// All directions within an angle of an axis.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::contact) struct Cone {
@@ -26,6 +31,13 @@ impl Cone {
     /// patch intersections*, 1988). Points of rational parts are projected; there, the cone is
     /// widened by a third, which is generous where weights differ by less than 2.
     pub fn of_normals(points: &[[f64; 3]], p: usize, q: usize, flip: bool, rational: bool) -> Self {
+        if let Some(axis) = plane(points, p, q) {
+            return Self {
+                axis: if flip { -axis } else { axis },
+                cos: 1.0,
+                sin: FLAT,
+            };
+        }
         let width = q + 1;
         let along_u = tangents(|k, l| &points[k * width + l], p, q);
         let along_v = tangents(|l, k| &points[k * width + l], q, p);
@@ -50,6 +62,11 @@ impl Cone {
         }
     }
 
+    /// All directions are one, but for rounding.
+    pub fn is_flat(&self) -> bool {
+        self.cos > 0.0 && self.sin <= FLAT
+    }
+
     /// Some direction of this cone may be the opposite of one of the other.
     pub fn may_face(&self, other: &Self) -> bool {
         let cos = self.cos * other.cos - self.sin * other.sin;
@@ -58,6 +75,20 @@ impl Cone {
         }
         -self.axis.dot(&other.axis) >= cos - 1e-12
     }
+}
+
+/// Normal of the plane in which all points lie.
+fn plane(points: &[[f64; 3]], p: usize, q: usize) -> Option<Vector3> {
+    let width = q + 1;
+    let first = Vector3::from(points[0]);
+    let [far, u, v] = [p * width + q, p * width, q].map(|k| Vector3::from(points[k]));
+    let (along, across) = (far - first, v - u);
+    let size = along.norm().max(across.norm());
+    let normal = along.cross(&across).try_normalize(1e-3 * size * size)?;
+    let near = IN_PLANE * size + 4.0 * f64::EPSILON * first.amax();
+    let mut points = points.iter();
+    let flat = points.all(|x| (Vector3::from(*x) - first).dot(&normal).abs() <= near);
+    flat.then_some(normal)
 }
 
 /// Mean direction of the differences along the first index, and the cosine of the widest angle to

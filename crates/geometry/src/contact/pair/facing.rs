@@ -4,18 +4,22 @@
 //! which say that the signed distance to B is stationary over A. Normals, not the difference of the
 //! places, stand in the first two: they do not vanish where the surfaces cross or touch.
 
-use crate::math::Vector3;
+use crate::math::{Point3, Vector3};
 use crate::surface::bezier::PieceDirection;
 use crate::surface::{ClosestSolver, Frame, Surface};
 
 /// Steps of Newton's method; it arrives in five or never.
 const STEPS: usize = 12;
+/// Where one surface turns against the other by less than this across a part, rad, they are flat on each other.
+const FLAT: f64 = 1e-9;
 
 /// A stationary pair.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::contact) struct StationaryPair {
     /// (u, v) on the first surface, (s, t) on the second.
     pub at: [f64; 4],
+    /// Both are flat there: one place of many.
+    pub flat: bool,
 }
 
 /// One of two surfaces.
@@ -58,7 +62,10 @@ pub(in crate::contact) fn face(
         let (at, bt) = (a.confine(x[0]), b.confine(x[1]));
         let (fa, fb) = (a.frame(at), b.frame(bt));
         let flip = if b.surface.flip_normal() { -1.0 } else { 1.0 };
-        let [da, db] = newton(&fa, &fb, flip)?;
+        let (da, db) = match newton(&fa, &fb, flip, widths[0])? {
+            Way::Step(da, db) => (da, db),
+            Way::Flat => return over(a, b, [fa, fb], [at, bt], widths),
+        };
         let mut short = true;
         for k in 0..2 {
             let (mut d, w, held) = (
@@ -98,15 +105,51 @@ pub(in crate::contact) fn face(
             let (at, bt) = (a.confine(x[0]), b.confine(x[1]));
             return Some(StationaryPair {
                 at: [at[0], at[1], bt[0], bt[1]],
+                flat: false,
             });
         }
     }
     None
 }
 
-/// The step of both places.
+/// Of two places where surfaces are flat on each other: one of them with its foot on the other, in or beside its part.
+fn over(
+    a: &Half<'_>,
+    b: &Half<'_>,
+    [fa, fb]: [Frame; 2],
+    [at, bt]: [[f64; 2]; 2],
+    widths: [[f64; 2]; 2],
+) -> Option<StationaryPair> {
+    let below = |point: &Point3, on: &Frame, from: [f64; 2], widths: [f64; 2]| {
+        let (e, f, g) = (on.du.norm_squared(), on.du.dot(&on.dv), on.dv.norm_squared());
+        let way = point - on.point;
+        let (x, y) = (on.du.dot(&way), on.dv.dot(&way));
+        let det = e * g - f * f;
+        let step = [(g * x - f * y) / det, (e * y - f * x) / det];
+        let near = (0..2).all(|c| step[c].abs() <= 1.5 * widths[c]);
+        near.then(|| [from[0] + step[0], from[1] + step[1]])
+    };
+    let [at, bt] = match below(&fa.point, &fb, bt, widths[1]) {
+        Some(foot) => [at, b.confine(foot)],
+        None => [a.confine(below(&fb.point, &fa, at, widths[0])?), bt],
+    };
+    Some(StationaryPair {
+        at: [at[0], at[1], bt[0], bt[1]],
+        flat: true,
+    })
+}
+
+/// Where to go from a pair of places.
+enum Way {
+    /// Steps of both.
+    Step([f64; 2], [f64; 2]),
+    /// The surfaces are flat on each other.
+    Flat,
+}
+
+/// The step of both places; `widths` of the part of the first.
 #[inline]
-fn newton(a: &Frame, b: &Frame, flip: f64) -> Option<[[f64; 2]; 2]> {
+fn newton(a: &Frame, b: &Frame, flip: f64, widths: [f64; 2]) -> Option<Way> {
     let across = b.du.cross(&b.dv);
     let (e, f, g) = (b.du.norm_squared(), b.du.dot(&b.dv), b.dv.norm_squared());
     let det_g = e * g - f * f;
@@ -146,6 +189,15 @@ fn newton(a: &Frame, b: &Frame, flip: f64) -> Option<[[f64; 2]; 2]> {
     let huv = n.dot(&a.duv) + turn(sv, pu);
     let hvu = n.dot(&a.duv) + turn(su, pv);
     let hvv = n.dot(&a.dvv) + turn(sv, pv);
+    // How far a slope turns across the part.
+    let turns = [huu, huv, hvu, hvv].map(f64::abs);
+    let [wu, wv] = widths;
+    let (du, dv) = (a.du.norm(), a.dv.norm());
+    if turns[0].max(turns[1] * wv / wu) * wu < FLAT * du
+        && turns[3].max(turns[2] * wu / wv) * wv < FLAT * dv
+    {
+        return Some(Way::Flat);
+    }
     let right = [-n.dot(&a.du) + turn(sr, pu), -n.dot(&a.dv) + turn(sr, pv)];
     let det = huu * hvv - huv * hvu;
     let scale = (huu.abs() + huv.abs()) * (hvv.abs() + hvu.abs());
@@ -161,5 +213,5 @@ fn newton(a: &Frame, b: &Frame, flip: f64) -> Option<[[f64; 2]; 2]> {
         su[0] * da[0] + sv[0] * da[1] - sr[0],
         su[1] * da[0] + sv[1] * da[1] - sr[1],
     ];
-    Some([da, db])
+    Some(Way::Step(da, db))
 }

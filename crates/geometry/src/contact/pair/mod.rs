@@ -40,6 +40,10 @@ use crate::surface::{ClosestSolver, Surface};
 
 /// Most stationary pairs kept.
 const MOST_FACING: usize = 64;
+/// Most pairs of cells by which others are known to be of the same two faces.
+const MOST_FLAT: usize = 256;
+/// Of a manifold, a face that rises by less than this across a cell, relative to the smaller surface, is level there.
+const LEVEL: f64 = 1e-6;
 /// Contacts whose places and depths are nearer than these, relative to the size, are one.
 const SAME_PLACE: f64 = 1e-5;
 const SAME_DEPTH: f64 = 1e-9;
@@ -69,6 +73,8 @@ pub struct PairSolver {
     on_tool: Regions,
     touch: touch::Touch,
     facing: Vec<StationaryPair>,
+    /// Pairs of cells that are flat on each other.
+    flat: Vec<[usize; 2]>,
     /// Places of a sheet below a tool's.
     starts: Vec<(f64, f64)>,
     /// The side of a sheet that the last query found in touch, +1 or −1.
@@ -89,6 +95,7 @@ impl PairSolver {
             on_tool: Regions::new(&tool_cells),
             touch: touch::Touch::new(tool_solver.pieces(tool).len()),
             facing: Vec::with_capacity(MOST_FACING),
+            flat: Vec::with_capacity(MOST_FLAT),
             starts: Vec::with_capacity(2 * tool_cells.cell_count()),
             side: None,
             spreads: false,
@@ -213,6 +220,7 @@ impl PairSolver {
     ) {
         self.side = None;
         self.facing.clear();
+        self.flat.clear();
         self.on_body.found.clear();
         self.on_tool.found.clear();
         self.on_body.spread.clear();
@@ -233,6 +241,11 @@ impl PairSolver {
             return;
         }
         let reach_m = margin_m + 1e-11 * size_m;
+        let level_m = match self.spreads {
+            true => LEVEL * body_m.min(tool_m),
+            false => 0.0,
+        };
+        (self.on_body.level_m, self.on_tool.level_m) = (level_m, level_m);
         // A sheet has no far side.
         if self.body.closed && !self.body.whole.meets(&self.tool.whole, reach_m) {
             return;
@@ -257,9 +270,22 @@ impl PairSolver {
                 solver: tool_solver,
             };
             for &(x, y) in self.touch.facing() {
-                // Flat on flat, any place will do.
                 if self.facing.len() == MOST_FACING {
                     break;
+                }
+                let (own, other) = (x as usize, y as usize);
+                let is_flat =
+                    self.body.cone_of(own).is_flat() && self.tool.cone_of(other).is_flat();
+                if is_flat {
+                    let mut flat = self.flat.iter();
+                    let known =
+                        flat.any(|&[a, b]| self.body.touch(a, own) && self.tool.touch(b, other));
+                    if self.flat.len() < MOST_FLAT {
+                        self.flat.push([own, other]);
+                    }
+                    if known {
+                        continue;
+                    }
                 }
                 let ((am, aw), (bm, bw)) =
                     (self.body.middle(x as usize), self.tool.middle(y as usize));
@@ -321,6 +347,7 @@ impl PairSolver {
         };
         let pairs = self.facing.iter().map(|f| StationaryPair {
             at: [f.at[2], f.at[3], f.at[0], f.at[1]],
+            flat: f.flat,
         });
         self.on_tool
             .find(&mut upper, &mut self.tool, &mut below, pairs, margin_m);

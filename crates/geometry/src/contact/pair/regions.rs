@@ -54,6 +54,8 @@ pub(super) struct Regions {
     order: Vec<(f64, u32)>,
     /// Depths that differ by less are level, m.
     flat_m: f64,
+    /// What rises by less than this across a cell is not climbed, m.
+    pub level_m: f64,
     tops: Vec<Top>,
     pub found: Vec<PairRegion>,
     /// Vertices that span what touches beside the deepest places.
@@ -79,6 +81,7 @@ impl Regions {
             shared: vec![false; n],
             order: Vec::with_capacity(n),
             flat_m: 0.0,
+            level_m: 0.0,
             tops: Vec::with_capacity(MOST_TOPS),
             found: Vec::with_capacity(MOST_TOPS),
             spread: Vec::with_capacity(MOST_SPREAD),
@@ -145,14 +148,22 @@ impl Regions {
             if way.norm() > margin_m + 1e-11 * upper.size_m && way.dot(&outward) > 0.0 {
                 continue;
             }
-            // Of a face in touch whose depth is known, one place is as good as another.
+            let depth_m = -way.dot(&outward) / outward.norm();
             let corners = cells.corners(cell);
-            if corners.iter().all(|&corner| self.inside(corner)) {
-                let depth_m = -way.dot(&outward) / outward.norm();
-                let root = self.root(corners[0]) as usize;
-                if self.best[root] >= depth_m - self.flat_m {
-                    continue;
+            let known = match pair.flat {
+                // A corner is as deep, if it is over the other face; climbs from vertices go there.
+                true => corners
+                    .into_iter()
+                    .any(|corner| self.depth[corner as usize] >= depth_m - self.flat_m),
+                // Of a region whose depth is known, one place is as good as another.
+                false => {
+                    let root = self.root(corners[0]) as usize;
+                    corners.iter().all(|&corner| self.inside(corner))
+                        && self.best[root] >= depth_m - self.flat_m
                 }
+            };
+            if known {
+                continue;
             }
             self.climb(upper, cells, below, (u, v), (s, t), margin_m, None);
         }
@@ -190,6 +201,13 @@ impl Regions {
                 }
             } else if d < -margin_m - across {
                 continue;
+            } else {
+                // Of a level face, one place is as good as another.
+                let root = self.root(vertex) as usize;
+                if self.best[root] >= d - self.flat_m {
+                    continue;
+                }
+                self.best[root] = d;
             }
             let from = self.foot[vertex as usize];
             self.climb(
@@ -317,13 +335,17 @@ impl Regions {
         }
     }
 
-    /// Joins neighbouring vertices inside.
+    /// Joins neighbouring vertices inside, and those outside that are level.
     fn connect(&mut self, cells: &Cells) {
         for cell in 0..cells.cell_count() {
             let c = cells.corners(cell);
             for k in 0..4 {
                 let (a, b) = (c[k], c[(k + 1) % 4]);
-                if self.inside(a) && self.inside(b) {
+                let level = || {
+                    let [a, b] = [a, b].map(|vertex| self.depth[vertex as usize]);
+                    (a - b).abs() <= self.flat_m
+                };
+                if self.inside(a) && self.inside(b) || level() {
                     self.join(a, b);
                 }
             }
@@ -348,9 +370,14 @@ impl Regions {
         } else {
             0.05 * upper.size_m
         };
-        let Some(top) = upper.climb(cells, below, at.0, at.1, foot, reach_m) else {
-            return;
-        };
+        let level = (self.level_m > 0.0)
+            .then(|| {
+                let part_m = reach_m.min(0.1 * below.cells.whole.diagonal());
+                upper.level(below, at, foot, part_m, self.level_m)
+            })
+            .flatten();
+        let top = level.or_else(|| upper.climb(cells, below, at.0, at.1, foot, reach_m));
+        let Some(top) = top else { return };
         let depth = top.sounding.depth_m;
         let near = depth >= -margin_m - 1e-12 * upper.size_m;
         if !near || (depth < -self.flat_m && !top.summit) {

@@ -70,6 +70,38 @@ impl View {
 }
 
 impl Upper<'_> {
+    /// A place whose depth no step of `part_m` promises to raise by more than `level_m`.
+    pub fn level(
+        &mut self,
+        below: &mut Below<'_>,
+        at: (f64, f64),
+        from: (f64, f64),
+        part_m: f64,
+        level_m: f64,
+    ) -> Option<Top> {
+        let frame = self.solver.frame_at(self.surface, at.0, at.1);
+        let mut view = View {
+            at: [at.0, at.1],
+            frame,
+            feet: [None; FEET],
+        };
+        let sounding = below.follow(&frame.point, from.0, from.1);
+        view.add(sounding, self.size_m);
+        let (_, _, gain_m) = self.step(&view, part_m)?;
+        if !sounding.foot.smooth || gain_m > level_m {
+            return None;
+        }
+        let sure = below.certain(&frame.point);
+        let agreed = (sure.depth_m - sounding.depth_m).abs() <= SAME_DEPTH * self.size_m;
+        agreed.then_some(Top {
+            u: at.0,
+            v: at.1,
+            point: frame.point,
+            sounding: sure,
+            summit: true,
+        })
+    }
+
     /// The greatest depth that can be climbed to from (u, v), whose foot is near `from`. `reach_m`
     /// is the longest step.
     pub fn climb(
