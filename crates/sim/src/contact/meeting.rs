@@ -42,8 +42,8 @@ pub(super) struct Meeting<'a> {
 /// Rows beyond which none is added to span a face.
 const SPANNED: usize = 9;
 
-/// A contact this much deeper than those that are kept comes beside them, relative to the size.
-const DEEPER: f64 = 1e-7;
+/// A contact this much deeper than those that are kept comes beside them however many there are, relative to the margin.
+const DEEPER: f64 = 0.1;
 
 /// So many feet that carry are a face of a body that deforms.
 const STANDS: usize = 6;
@@ -51,123 +51,161 @@ const STANDS: usize = 6;
 /// Points of a free body closer than this, relative to what makes two contacts one foot, are one.
 const SAME_POINT: f64 = 0.1;
 
+/// The contact spans a face with others.
+fn spans(contact: &&Contact) -> bool {
+    contact.point == ToolPoint::Round
+}
+
+/// What is pushed of a pair.
+struct Pushed<'a> {
+    rows: &'a mut RowSet,
+    /// Points of the holder.
+    points: [Point3; MAX_FEET],
+    count: usize,
+    /// Numbers of feet that are taken.
+    used: u64,
+}
+
+impl Pushed<'_> {
+    /// None of the points is nearer than this.
+    fn is_apart(&self, contact: &Contact, apart_m: f64) -> bool {
+        let mut points = self.points[..self.count].iter();
+        points.all(|other| (other - contact.on_tool).norm() >= apart_m)
+    }
+
+    /// A foot that was not there in the last tick, if a number is left.
+    fn new_key(&mut self) -> Option<RowKey> {
+        let number = (!self.used).trailing_zeros();
+        (number < FEET_OF_PAIR).then(|| {
+            self.used |= 1 << number;
+            RowKey::foot(number as usize)
+        })
+    }
+}
+
 impl Meeting<'_> {
     /// Rows of `found`, deepest first.
     pub(super) fn push_feet(&self, rows: &mut RowSet, found: &[Contact], warm: &[WarmRow]) {
-        let mut old = [(Point3::origin(), 0u8); MAX_FEET];
-        let mut points = [Point3::origin(); MAX_FEET];
-        let mut pushed = 0;
-        let mut count = 0;
+        let own = warm.iter();
+        let own = own.filter(|row| row.id.pair as usize == self.p && row.id.key.is_foot());
         // Numbers of the last tick stay taken: a new foot must not start from what another carried.
-        let mut used = 0u64;
-        for row in warm.iter().filter(|row| row.id.pair as usize == self.p) {
-            let RowKey::Foot(number) = row.id.key else {
-                continue;
-            };
-            used |= 1 << number;
-            if count < MAX_FEET {
-                let [u, v] = row.uv;
-                old[count] = (self.parts.surface.point(u, v), number);
-                count += 1;
-            }
-        }
-        let push = |rows: &mut RowSet,
-                    key: RowKey,
-                    contact: &Contact,
-                    points: &mut [Point3],
-                    pushed: &mut usize| {
-            let Self { views, steps, .. } = self;
-            push_between(
-                rows,
-                self.p,
-                self.pair,
-                key,
-                contact,
-                views,
-                steps,
-                self.margin_m,
-            );
-            points[*pushed] = contact.on_tool;
-            *pushed += 1;
+        let number = |row: &WarmRow| match row.id.key {
+            RowKey::Foot(number) => 1 << number,
+            _ => 0,
         };
-        let spans = |contact: &&Contact| contact.point == ToolPoint::Round;
-        let deepest = found.iter().filter(|contact| !spans(contact));
-        let near = |points: &[Point3], point: &Point3, apart_m: f64| {
-            points.iter().any(|other| (other - point).norm() < apart_m)
+        let mut to = Pushed {
+            rows,
+            points: [Point3::origin(); MAX_FEET],
+            count: 0,
+            used: own.clone().map(number).fold(0, |used, bit| used | bit),
         };
-        let own = || {
-            warm.iter()
-                .filter(|row| row.id.pair as usize == self.p && row.id.key.is_foot())
-        };
-        let apart_m = SAME_POINT * self.same_m;
         // Where a face lies, rounding decides which point is deepest: those that carried carry on.
-        let deforms = self.views.iter().any(Option::is_some);
-        let lies = match deforms {
-            true => own().filter(|row| row.force_n > 0.0).count() >= STANDS,
+        let lies = match self.deforms() {
+            true => own.clone().filter(|row| row.force_n > 0.0).count() >= STANDS,
             false => self.lies.is_some() && found.iter().any(|contact| spans(&contact)),
         };
-        if lies {
-            let mut kept_m = f64::NEG_INFINITY;
-            for (carried, most) in [(true, MAX_FEET), (false, SPANNED)] {
-                for row in own().filter(|row| (row.force_n > 0.0) == carried) {
-                    let apart = |contact: &Contact| {
-                        !near(&points[..pushed], &contact.on_tool, apart_m)
-                            && !self.is_held(rows, contact)
-                    };
-                    let again = self.again(row).filter(apart);
-                    if let Some(contact) = again.filter(|_| pushed < most) {
-                        kept_m = kept_m.max(contact.depth_m);
-                        push(rows, row.id.key, &contact, &mut points, &mut pushed);
-                    }
-                }
-            }
-            let deeper_m = kept_m + DEEPER * self.size_m;
-            for contact in deepest.chain(found.iter().filter(spans)) {
-                let number = (!used).trailing_zeros();
-                let most = match spans(&contact) || contact.depth_m <= deeper_m {
-                    true => SPANNED,
-                    false => MAX_FEET,
-                };
-                if number >= FEET_OF_PAIR {
-                    return;
-                }
-                if pushed < most
-                    && !near(&points[..pushed], &contact.on_tool, self.same_m)
-                    && !self.is_held(rows, contact)
-                {
-                    used |= 1 << number;
-                    let key = RowKey::foot(number as usize);
-                    push(rows, key, contact, &mut points, &mut pushed);
-                }
-            }
-            return;
+        match lies {
+            true => self.push_face(&mut to, found, own),
+            false => self.push_deepest(&mut to, found, own),
         }
+    }
+
+    fn deforms(&self) -> bool {
+        self.views.iter().any(Option::is_some)
+    }
+
+    fn push(&self, to: &mut Pushed<'_>, key: RowKey, contact: &Contact) {
+        let Self { views, steps, .. } = self;
+        push_between(
+            to.rows,
+            self.p,
+            self.pair,
+            key,
+            contact,
+            views,
+            steps,
+            self.margin_m,
+        );
+        to.points[to.count] = contact.on_tool;
+        to.count += 1;
+    }
+
+    /// Of a face: the feet of the last tick, then contacts that are deeper or span it.
+    fn push_face<'r>(
+        &self,
+        to: &mut Pushed<'_>,
+        found: &[Contact],
+        own: impl Iterator<Item = &'r WarmRow> + Clone,
+    ) {
+        let apart_m = SAME_POINT * self.same_m;
+        let mut kept_m = f64::NEG_INFINITY;
+        let carried = own.clone().filter(|row| row.force_n > 0.0);
+        let others = own.filter(|row| row.force_n <= 0.0);
+        let carried = carried.map(|row| (row, MAX_FEET));
+        for (row, most) in carried.chain(others.map(|row| (row, SPANNED))) {
+            let again = self
+                .again(row)
+                .filter(|contact| to.is_apart(contact, apart_m) && !self.is_held(to.rows, contact));
+            if let Some(contact) = again.filter(|_| to.count < most) {
+                kept_m = kept_m.max(contact.depth_m);
+                self.push(to, row.id.key, &contact);
+            }
+        }
+        let deeper_m = kept_m + DEEPER * self.margin_m;
+        let deepest = found.iter().filter(|contact| !spans(contact));
+        for contact in deepest.chain(found.iter().filter(spans)) {
+            let most = match spans(&contact) || contact.depth_m <= deeper_m {
+                true => SPANNED,
+                false => MAX_FEET,
+            };
+            let is_new = to.count < most
+                && to.is_apart(contact, self.same_m)
+                && !self.is_held(to.rows, contact);
+            if is_new {
+                let Some(key) = to.new_key() else { return };
+                self.push(to, key, contact);
+            }
+        }
+    }
+
+    /// The deepest contacts, each as the nearest foot of the last tick; of a free body also its points that touched.
+    fn push_deepest<'r>(
+        &self,
+        to: &mut Pushed<'_>,
+        found: &[Contact],
+        own: impl Iterator<Item = &'r WarmRow> + Clone,
+    ) {
+        let mut old = [(Point3::origin(), RowKey::Foot(0)); MAX_FEET];
+        let mut count = 0;
+        for (old, row) in old.iter_mut().zip(own.clone()) {
+            let [u, v] = row.uv;
+            *old = (self.parts.surface.point(u, v), row.id.key);
+            count += 1;
+        }
+        let deepest = found.iter().filter(|contact| !spans(contact));
         for contact in deepest.take(MAX_FEET) {
             let away = |k: usize| (old[k].0 - contact.on_body).norm();
             let nearest = (0..count).min_by(|&a, &b| away(a).total_cmp(&away(b)));
-            let number = match nearest.filter(|&k| away(k) < self.same_m) {
+            let key = match nearest.filter(|&k| away(k) < self.same_m) {
                 Some(k) => {
                     count -= 1;
                     old.swap(k, count);
-                    u32::from(old[count].1)
+                    Some(old[count].1)
                 }
-                None => (!used).trailing_zeros(),
+                None => to.new_key(),
             };
-            if number >= FEET_OF_PAIR {
-                return;
-            }
-            used |= 1 << number;
-            let key = RowKey::foot(number as usize);
-            push(rows, key, contact, &mut points, &mut pushed);
+            let Some(key) = key else { return };
+            self.push(to, key, contact);
         }
-        for row in own().filter(|_| self.lies.is_some()) {
-            let is_left = |(_, left): &(Point3, u8)| RowKey::Foot(*left) == row.id.key;
-            if !old[..count].iter().any(is_left) || pushed == MAX_FEET {
+        let apart_m = SAME_POINT * self.same_m;
+        for row in own.filter(|_| self.lies.is_some()) {
+            let is_left = old[..count].iter().any(|(_, key)| *key == row.id.key);
+            if !is_left || to.count == MAX_FEET {
                 continue;
             }
-            let apart = |contact: &Contact| !near(&points[..pushed], &contact.on_tool, apart_m);
-            if let Some(contact) = self.again(row).filter(apart) {
-                push(rows, row.id.key, &contact, &mut points, &mut pushed);
+            let again = self.again(row);
+            if let Some(contact) = again.filter(|contact| to.is_apart(contact, apart_m)) {
+                self.push(to, row.id.key, &contact);
             }
         }
     }

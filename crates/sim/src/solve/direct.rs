@@ -42,6 +42,8 @@ pub struct Direct {
     active: Vec<Active>,
     /// Row by row: by how much each unknown moves an equation; then minus what is missed.
     system: Vec<f64>,
+    /// By equation, the unknowns behind which it has none.
+    ends: Vec<usize>,
     /// Forces before a step and after it, N.
     before: Vec<f64>,
     after: Vec<f64>,
@@ -59,6 +61,7 @@ impl Direct {
         Self {
             active: Vec::with_capacity(rows),
             system: vec![0.0; room * (room + 1)],
+            ends: vec![0; room],
             before: Vec::with_capacity(directions),
             after: Vec::with_capacity(directions),
             swept: Vec::with_capacity(directions),
@@ -198,7 +201,11 @@ impl Direct {
             let normal = problem.normal(of.row);
             let equations = &mut self.system[of.start * width..];
             for other in self.active.iter().filter(|other| other.unknowns > 0) {
-                let mut block = against * matrix.whole(of.row, other.row);
+                let moves = matrix.whole(of.row, other.row);
+                let mut block = match moves == Matrix3::zeros() {
+                    true => moves,
+                    false => against * moves,
+                };
                 if other.row == of.row {
                     block += Matrix3::identity() - of.slope;
                 }
@@ -222,7 +229,7 @@ impl Direct {
                 };
             }
         }
-        if !eliminate(&mut self.system[..size * width], size) {
+        if !eliminate(&mut self.system[..size * width], &mut self.ends[..size]) {
             return false;
         }
         for of in self.active.iter().filter(|of| of.unknowns > 0) {
@@ -275,10 +282,15 @@ fn project(law: &FrictionLaw, normal: &Vector3, wish: &Vector3) -> Option<(Vecto
     }
 }
 
-/// Gaussian elimination of `size` rows of `size` + 1 numbers, with the largest pivot of each column; the last column
-/// becomes the solution. False for a matrix without an inverse.
-fn eliminate(rows: &mut [f64], size: usize) -> bool {
+/// Gaussian elimination of as many rows of one number more as there are `ends`, with the largest pivot of each column; the
+/// last column becomes the solution. False for a matrix without an inverse. Bodies in a row make a band of it: `ends` takes
+/// where each row is zero from on, but for its last number.
+fn eliminate(rows: &mut [f64], ends: &mut [usize]) -> bool {
+    let size = ends.len();
     let width = size + 1;
+    for (row, end) in rows.chunks_exact(width).zip(&mut *ends) {
+        *end = row[..size].iter().rposition(|x| *x != 0.0).unwrap_or(0) + 1;
+    }
     for k in 0..size {
         let mut largest = k;
         for row in k + 1..size {
@@ -289,25 +301,29 @@ fn eliminate(rows: &mut [f64], size: usize) -> bool {
         if largest != k {
             let (above, below) = rows.split_at_mut(largest * width);
             above[k * width..][..width].swap_with_slice(&mut below[..width]);
+            ends.swap(k, largest);
         }
         let pivot = rows[k * width + k];
         if pivot == 0.0 || !pivot.is_finite() {
             return false;
         }
+        let end = ends[k];
         let (above, below) = rows.split_at_mut((k + 1) * width);
-        let own = &above[k * width + k + 1..];
-        for row in below.chunks_exact_mut(width) {
+        let own = &above[k * width..];
+        for (row, other_end) in below.chunks_exact_mut(width).zip(&mut ends[k + 1..]) {
             let share = row[k] / pivot;
             if share != 0.0 {
-                for (to, from) in row[k + 1..].iter_mut().zip(own) {
+                for (to, from) in row[k + 1..end].iter_mut().zip(&own[k + 1..end]) {
                     *to -= share * from;
                 }
+                row[size] -= share * own[size];
+                *other_end = end.max(*other_end);
             }
         }
     }
     for k in (0..size).rev() {
         let mut sum = rows[k * width + size];
-        for column in k + 1..size {
+        for column in k + 1..ends[k] {
             sum -= rows[k * width + column] * rows[column * width + size];
         }
         rows[k * width + size] = sum / rows[k * width + k];

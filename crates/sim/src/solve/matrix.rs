@@ -170,6 +170,9 @@ impl ContactMatrix {
 
     /// D_ij between any two rows; of one along its normal only, nothing across.
     pub fn whole(&self, i: usize, j: usize) -> Matrix3 {
+        if self.is_whole(i) && self.is_whole(j) {
+            return self.block(i, j);
+        }
         let along = |row: usize, k: usize| match self.is_whole(row) {
             true => Vector3::ith(k, 1.0),
             false => self.normals[row],

@@ -121,7 +121,11 @@ fn over(
     widths: [[f64; 2]; 2],
 ) -> Option<StationaryPair> {
     let below = |point: &Point3, on: &Frame, from: [f64; 2], widths: [f64; 2]| {
-        let (e, f, g) = (on.du.norm_squared(), on.du.dot(&on.dv), on.dv.norm_squared());
+        let (e, f, g) = (
+            on.du.norm_squared(),
+            on.du.dot(&on.dv),
+            on.dv.norm_squared(),
+        );
         let way = point - on.point;
         let (x, y) = (on.du.dot(&way), on.dv.dot(&way));
         let det = e * g - f * f;
