@@ -42,8 +42,11 @@ pub(super) struct Meeting<'a> {
 /// Rows beyond which none is added to span a face.
 const SPANNED: usize = 9;
 
-/// A contact this much deeper than those that are kept comes beside them however many there are, relative to the margin.
-const DEEPER: f64 = 0.1;
+/// A contact this much deeper than those that are kept comes beside them however many there are, relative to the size.
+const DEEPER: f64 = 1e-7;
+
+/// The same where as many carry as span a face, relative to the margin.
+const MUCH_DEEPER: f64 = 0.1;
 
 /// So many feet that carry are a face of a body that deforms.
 const STANDS: usize = 6;
@@ -141,8 +144,8 @@ impl Meeting<'_> {
         let mut kept_m = f64::NEG_INFINITY;
         let carried = own.clone().filter(|row| row.force_n > 0.0);
         let others = own.filter(|row| row.force_n <= 0.0);
-        let carried = carried.map(|row| (row, MAX_FEET));
-        for (row, most) in carried.chain(others.map(|row| (row, SPANNED))) {
+        let kept = carried.clone().map(|row| (row, MAX_FEET));
+        for (row, most) in kept.chain(others.map(|row| (row, SPANNED))) {
             let again = self
                 .again(row)
                 .filter(|contact| to.is_apart(contact, apart_m) && !self.is_held(to.rows, contact));
@@ -151,7 +154,11 @@ impl Meeting<'_> {
                 self.push(to, row.id.key, &contact);
             }
         }
-        let deeper_m = kept_m + DEEPER * self.margin_m;
+        let deeper_m = match carried.count() < SPANNED {
+            true => DEEPER * self.size_m,
+            false => MUCH_DEEPER * self.margin_m,
+        };
+        let deeper_m = kept_m + deeper_m;
         let deepest = found.iter().filter(|contact| !spans(contact));
         for contact in deepest.chain(found.iter().filter(spans)) {
             let most = match spans(&contact) || contact.depth_m <= deeper_m {

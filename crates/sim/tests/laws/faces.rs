@@ -142,9 +142,134 @@ fn a_puck_that_spins_is_stopped_by_friction() {
     );
 }
 
+/// Kinetic and potential, J/kg; of a puck.
+fn energy(world: &World, body: usize) -> f64 {
+    let [radius_m, height_m] = PUCK;
+    let RigidMotion {
+        centre,
+        velocity_m_s,
+        spin_rad_s,
+        ..
+    } = motion(world, body);
+    let [foot, top] = [0.0, 1.0].map(|z| {
+        world
+            .state
+            .carried_point(&world.scene, body, &Point3::new(0.0, 0.0, z))
+    });
+    let axial = spin_rad_s.dot(&(top - foot));
+    let axial_m2 = 0.5 * radius_m * radius_m;
+    let across_m2 = radius_m * radius_m / 4.0 + height_m * height_m / 12.0;
+    let across = spin_rad_s.norm_squared() - axial * axial;
+    0.5 * (velocity_m_s.norm_squared() + axial_m2 * axial * axial + across_m2 * across)
+        + G * centre.z
+}
+
+// Friction shares between both: what is faster is slowed more, so that both end together (Farkas et al. 2003). It is low:
+// a high one leans forward and turns aside.
+#[test]
+fn a_puck_that_slides_and_spins_slides_straight_and_stops_both_at_once() {
+    for (speed, spin) in [(0.15, 10.0), (0.2, 4.0)] {
+        let moving =
+            format!("velocity_m_s = [{speed:?}, 0.0, 0.0]\nspin_rad_s = [0.0, 0.0, {spin:?}]");
+        let bodies = format!(
+            "{}{}",
+            puck("p", [0.02, 0.004], 1e-6, 1000.0, &moving),
+            rub("p", "floor", 0.3)
+        );
+        let mut world = world(0.0, &bodies);
+        let mut stopped = [None; 2];
+        for k in 0..300 {
+            world.at_in_place(FAR);
+            let now = motion(&world, 1);
+            let fast = [
+                now.velocity_m_s.norm() > 0.01 * speed,
+                now.spin_rad_s.norm() > 0.01 * spin,
+            ];
+            for (stopped, fast) in stopped.iter_mut().zip(fast) {
+                *stopped = stopped.filter(|_| !fast).or((!fast).then_some(k));
+            }
+        }
+        let centre = motion(&world, 1).centre;
+        println!("{speed} m/s, {spin} rad/s: stop after {stopped:?} ticks at {centre}");
+        let [Some(slid), Some(spun)] = stopped else {
+            panic!("it goes on: {stopped:?}");
+        };
+        // The slowest that friction may be.
+        let longest = 3e3 * speed / (0.3 * G);
+        assert!(
+            i32::abs(slid - spun) <= 2 && f64::from(slid) < longest,
+            "{stopped:?}, {longest}"
+        );
+        assert!(
+            centre.y.abs() < 0.01 * centre.x,
+            "it turned aside: {centre}"
+        );
+    }
+}
+
+#[test]
+fn a_puck_that_falls_on_its_rim_gains_no_energy_and_comes_to_lie() {
+    let mut random = Random(44);
+    for _ in 0..3 {
+        let lean = 0.2 + 0.8 * random.unit();
+        let (sin, cos) = (libm::sin(0.5 * lean), libm::cos(0.5 * lean));
+        let bodies = puck("p", PUCK, 0.03, 1000.0, "").replace(
+            "position = [0.0, 0.0, 0.03]",
+            &format!("position = [0.0, 0.0, 0.03], orientation = [0.0, {sin:?}, 0.0, {cos:?}]"),
+        );
+        let mut world = world(0.0, &format!("{bodies}{}", rub("p", "floor", 0.3)));
+        let mut before = f64::INFINITY;
+        let asleep = (0..3_000).find(|_| {
+            // What turns goes beside its straight way by ω² r dt² / 2 in a tick, and the floor lifts it by
+            // that; and by some micrometres that faces overlap when they come to lie.
+            let spin = motion(&world, 1).spin_rad_s.norm();
+            let lifted_m = 0.5 * spin * spin * 0.025 * 1e-6 + 3e-6;
+            world.at_in_place(FAR);
+            let now = energy(&world, 1);
+            assert!(now < before + lifted_m * G, "{now} J/kg after {before}");
+            before = now;
+            world.state.is_left_alone(1)
+        });
+        let centre = motion(&world, 1).centre;
+        println!(
+            "leaning by {lean:.2} rad: asleep after {asleep:?} ticks at {centre}, tilt {:.1e}",
+            tilt(&world, 1)
+        );
+        assert!(asleep.is_some(), "it never rests");
+        assert!((centre.z - 0.01).abs() < 5e-6, "{centre}");
+    }
+}
+
+#[test]
+fn a_plate_is_carried_by_two_balls() {
+    let mut text = puck("plate", [0.04, 0.008], 0.02002, 1000.0, "");
+    for (id, x) in [("a", -0.02), ("b", 0.02)] {
+        text += &format!(
+            "[[body]]\nid = \"{id}\"\nfree = true\nmaterial = {{ density_kg_m3 = 1000.0 }}\n\
+             surface = {{ builtin = \"sphere\", size = 0.01 }}\npose = {{ position = [{x:?}, 0.0, 0.01] }}\n"
+        );
+    }
+    for id in ["a", "b"] {
+        text += &rub(id, "floor", 0.3);
+        text += &rub("plate", id, 0.3);
+    }
+    let mut world = world(0.0, &text);
+    for _ in 0..150 {
+        world.at_in_place(FAR);
+    }
+    let plate = motion(&world, 1);
+    println!(
+        "the plate is at {}, tilt {:.1e}",
+        plate.centre,
+        tilt(&world, 1)
+    );
+    assert!((plate.centre.z - 0.024).abs() < 5e-6, "{}", plate.centre);
+    assert!(plate.centre.coords.xy().norm() < 2e-5 && tilt(&world, 1) < 1e-3);
+}
+
 #[test]
 fn a_stack_of_pucks_rests() {
-    for count in [1, 2, 5] {
+    for count in [1, 2, 5, 10] {
         let ids: Vec<String> = (0..count).map(|k| format!("p{k}")).collect();
         let mut text = String::new();
         for (k, id) in ids.iter().enumerate() {
@@ -156,11 +281,11 @@ fn a_stack_of_pucks_rests() {
         }
         let mut world = world(0.0, &text);
         let began = std::time::Instant::now();
-        let ticks = (0..1_500).find(|_| {
+        let ticks = (0..2_000).find(|_| {
             world.at_in_place(FAR);
             (1..=count).all(|b| world.state.is_left_alone(b))
         });
-        let took = began.elapsed().as_secs_f64() / ticks.unwrap_or(1_500) as f64;
+        let took = began.elapsed().as_secs_f64() / ticks.unwrap_or(2_000) as f64;
         let top = motion(&world, count);
         println!(
             "{count}: asleep after {ticks:?} ticks, {:.2} ms each; top at {} moves {:.1e} m/s, tilt {:.1e}",
@@ -171,7 +296,7 @@ fn a_stack_of_pucks_rests() {
         );
         assert!(ticks.is_some(), "{count} never rest");
         assert!(
-            top.centre.coords.xy().norm() < 5e-6,
+            top.centre.coords.xy().norm() < 1e-6 * (1 + count) as f64,
             "it crept to {}",
             top.centre
         );
@@ -226,7 +351,7 @@ fn a_small_face_lies_anywhere_on_a_large_sheet() {
         }
         let centre = motion(&world, 1).centre;
         let off = centre - Point3::new(at[0], at[1], 0.004);
-        assert!(off.norm() < 3e-6, "at {at:?} it is off by {off}");
+        assert!(off.norm() < 5e-6, "at {at:?} it is off by {off}");
     }
 }
 

@@ -11,7 +11,7 @@ use crate::surface::{ClosestSolver, Frame, Surface};
 /// Steps of Newton's method; it arrives in five or never.
 const STEPS: usize = 12;
 /// Where one surface turns against the other by less than this across a part, rad, they are flat on each other.
-const FLAT: f64 = 1e-9;
+pub(super) const FLAT: f64 = 1e-9;
 
 /// A stationary pair.
 #[derive(Clone, Copy, Debug)]

@@ -43,7 +43,7 @@ const MOST_FACING: usize = 64;
 /// Most pairs of cells by which others are known to be of the same two faces.
 const MOST_FLAT: usize = 256;
 /// Of a manifold, a face that rises by less than this across a cell, relative to the smaller surface, is level there.
-const LEVEL: f64 = 1e-6;
+const LEVEL: f64 = 1e-7;
 /// Contacts whose places and depths are nearer than these, relative to the size, are one.
 const SAME_PLACE: f64 = 1e-5;
 const SAME_DEPTH: f64 = 1e-9;

@@ -7,6 +7,7 @@
 
 use super::cells::Cells;
 use super::depth::{Below, Sounding, jet};
+use super::facing::FLAT;
 use crate::math::Point3;
 use crate::surface::closest::Jet;
 use crate::surface::{ClosestSolver, Frame, Surface};
@@ -70,7 +71,7 @@ impl View {
 }
 
 impl Upper<'_> {
-    /// A place whose depth no step of `part_m` promises to raise by more than `level_m`.
+    /// A place of a face that is flat on another, if no step of `part_m` promises to raise its depth by more than `level_m`.
     pub fn level(
         &mut self,
         below: &mut Below<'_>,
@@ -87,8 +88,15 @@ impl Upper<'_> {
         };
         let sounding = below.follow(&frame.point, from.0, from.1);
         view.add(sounding, self.size_m);
-        let (_, _, gain_m) = self.step(&view, part_m)?;
-        if !sounding.foot.smooth || gain_m > level_m {
+        let Jet {
+            h,
+            metric: [mu, mv],
+            ..
+        } = jet(&frame, &sounding);
+        let bends = (h[0] / mu).abs() + 2.0 * h[1].abs() / (mu * mv).sqrt() + (h[2] / mv).abs();
+        let flat = sounding.foot.smooth && bends * part_m < FLAT;
+        let (_, _, gain_m) = self.step(&view, part_m).filter(|_| flat)?;
+        if gain_m > level_m {
             return None;
         }
         let sure = below.certain(&frame.point);

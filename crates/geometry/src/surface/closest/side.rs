@@ -30,6 +30,9 @@ pub(super) struct Site<'a> {
     pub joints: Option<&'a Joints>,
 }
 
+/// A tangent that is shorter than this, relative to how much it changes across its span, has no direction.
+const SHORT: f64 = 1e-8;
+
 impl Site<'_> {
     /// Outward unit normal at a foot: never NaN; the surface's own where it has one, else the way
     /// to the query.
@@ -37,12 +40,9 @@ impl Site<'_> {
         let (a, b) = (&self.u.spans[place.i], &self.v.spans[place.j]);
         let at_knot =
             place.u <= a.start || place.u >= a.end || place.v <= b.start || place.v >= b.end;
-        let found = if at_knot {
-            self.pole(place, frame)
-                .or_else(|| self.corner(place, frame))
-        } else {
-            None
-        };
+        let pole = at_knot.then(|| self.pole(place, frame)).flatten();
+        let pole = pole.or_else(|| self.beside_pole(place, frame));
+        let found = pole.or_else(|| at_knot.then(|| self.corner(place, frame)).flatten());
         let outward = if self.surface.flip_normal() {
             -1.0
         } else {
@@ -53,6 +53,24 @@ impl Site<'_> {
             .map(|n| n * outward)
             .or_else(|| to_query.try_normalize(0.0))
             .unwrap_or_else(Vector3::z)
+    }
+
+    /// The normal of a pole beside it, where a tangent is as short as its rounding.
+    fn beside_pole(&self, place: NewtonPlace, frame: &Frame) -> Option<Vector3> {
+        let (a, b) = (&self.u.spans[place.i], &self.v.spans[place.j]);
+        let short =
+            |tangent: &Vector3, width: f64| tangent.norm() <= SHORT * width * frame.duv.norm();
+        let nearer = |x: f64, start: f64, end: f64| if end - x < x - start { end } else { start };
+        let (mut u, mut v) = (place.u, place.v);
+        if short(&frame.du, b.end - b.start) {
+            v = nearer(v, b.start, b.end);
+        } else if short(&frame.dv, a.end - a.start) {
+            u = nearer(u, a.start, a.end);
+        } else {
+            return None;
+        }
+        let pole = NewtonPlace { u, v, ..place };
+        self.pole(pole, &self.frame(pole))
     }
 
     /// The frame of a place as its own piece sees it.

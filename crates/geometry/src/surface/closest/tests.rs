@@ -557,6 +557,32 @@ fn local_descent_crosses_the_seam_and_leaves_the_pole() {
     }
 }
 
+// There a tangent is as short as its rounding, and the product of both points anywhere.
+#[test]
+fn normals_beside_a_pole_are_that_of_the_pole() {
+    let mut surface = super::super::builtin("sphere", None, Some(0.05)).unwrap();
+    for p in surface.net_mut().points_mut() {
+        *p += Vector3::new(0.3, 0.2, -0.1);
+    }
+    let mut solver = ClosestSolver::new(&surface);
+    let mut random = Random(44);
+    for v in [0.0, 1.0] {
+        let pole = surface.point(0.0, v);
+        let axis = (pole - Point3::new(0.3, 0.2, -0.1)).normalize();
+        for k in 0..200 {
+            let aside = random.vector() * libm::pow(10.0, -8.0 - 10.0 * random.unit());
+            let query = pole + axis * 1e-3 + aside.cross(&axis);
+            let foot = solver.closest(&surface, &query);
+            let off = (foot.normal - axis).norm();
+            assert!(
+                off < 1e-6,
+                "{k}: the normal is off by {off} at v {}",
+                foot.v
+            );
+        }
+    }
+}
+
 #[test]
 fn support_points_are_the_farthest_of_a_sampling() {
     let mut random = Random(70);
