@@ -418,9 +418,14 @@ fn a_disk_budget_keeps_the_newest_parts() {
     for _ in 0..40 {
         ticks(&mut live, 100);
         std::thread::sleep(Duration::from_millis(5));
-        // A part may be renamed or deleted between being listed and being measured.
-        let size = |path: PathBuf| std::fs::metadata(path).map_or(0, |data| data.len());
-        most = most.max(parts(directory.path()).into_iter().map(size).sum::<u64>());
+        // What is still there when all are measured was there at one time, and has not shrunk.
+        let size = |path: &PathBuf| std::fs::metadata(path).map_or(0, |data| data.len());
+        let measured: Vec<_> = (parts(directory.path()).into_iter())
+            .map(|path| (size(&path), path))
+            .collect();
+        let still = parts(directory.path());
+        let kept = measured.iter().filter(|(_, path)| still.contains(path));
+        most = most.max(kept.map(|(bytes, _)| bytes).sum::<u64>());
     }
     let (report, records) = live.report();
     let files = parts(directory.path());
