@@ -26,7 +26,8 @@ const WATCHED: Duration = Duration::from_millis(400);
 /// For traces that look each millisecond, ticks of 4 ms, pipes and pictures of 16 ms.
 const ALLOWANCE: Duration = Duration::from_millis(25);
 /// Most that is allowed for a busy machine: three times what a bare timer was late, and what threads of the daemons and
-/// of this process waited for a processor.
+/// of this process waited for a processor. With the longest promise this is less than [`WATCHED`], so a force that stays
+/// is still seen.
 const MOST_BUSY: Duration = Duration::from_millis(200);
 /// An attempt in which this machine was busier than its timer says is made again.
 const ATTEMPTS: usize = 3;

@@ -52,7 +52,7 @@ pub(crate) fn part(scene: &Scene, rows: &mut [Row], matrix: &ContactMatrix, impa
     let (rest_m_s, dt_s) = (rest_m_s(scene), scene.dt_s);
     let most_m = PARTING_M_S * dt_s;
     let closing_m_s = |row: &Row| match is_between_rigid(scene, row) {
-        // What comes out slowly is no motion.
+        // Bodies that overlap are pushed apart slowly; that is not a speed at which they meet.
         true => (row.now_m.max(-most_m) - row.gap_m) / dt_s,
         false => 0.0,
     };

@@ -61,7 +61,8 @@ pub(crate) fn again(
     })
 }
 
-/// The same of a body and a holder of which one deforms: a point of that one touches on. `sides`: of both.
+/// The contact of a remembered point where a body or its holder deforms, where it now is. The point is one of the surface
+/// that deforms. `sides`: −1 for each of the two that is touched from below a sheet.
 pub(crate) fn on_soft(
     remembered: &WarmRow,
     holder_deforms: bool,

@@ -45,10 +45,10 @@ const SPANNED: usize = 9;
 /// A contact this much deeper than those that are kept comes beside them however many there are, relative to the size.
 const DEEPER: f64 = 1e-7;
 
-/// The same where as many carry as span a face, relative to the margin.
+/// Where as many rows carry as span a face, a contact comes beside them only when deeper by this, relative to the margin.
 const MUCH_DEEPER: f64 = 0.1;
 
-/// So many feet that carry are a face of a body that deforms.
+/// From this many feet that carry on, a body that deforms lies on a face.
 const STANDS: usize = 6;
 
 /// Points of a free body closer than this, relative to what makes two contacts one foot, are one.

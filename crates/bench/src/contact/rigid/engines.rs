@@ -1,4 +1,4 @@
-//! The same bodies in our engine, in rapier3d in this process and in MuJoCo in a Python's.
+//! The same bodies in our engine and in rapier3d, both in this process, and in MuJoCo, which runs in Python.
 
 use super::setup::Setup;
 #[cfg(feature = "peers")]
