@@ -4,7 +4,9 @@ use super::Outcome;
 use crate::recording::{Session, explain};
 use palpate_proto::messages::force_flags;
 use palpate_sim::body::FallBack;
-use palpate_sim::tick::explain::{BodyExplained, Explanation, RowExplained, ToolExplained};
+use palpate_sim::tick::explain::{
+    BodyExplained, Explanation, RowExplained, SolveExplained, ToolExplained,
+};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
@@ -37,6 +39,7 @@ pub fn words(explanation: &Explanation) -> String {
         quality,
         tools,
         rows,
+        solve,
         bodies,
     } = explanation;
     let mut out = format!("tick {tick}");
@@ -46,8 +49,9 @@ pub fn words(explanation: &Explanation) -> String {
     out.push('\n');
     tools.iter().for_each(|tool| tell_tool(&mut out, tool));
     rows.iter().for_each(|row| tell_row(&mut out, row));
-    if rows.is_empty() {
-        out.push_str("nothing touches\n");
+    match rows.is_empty() {
+        true => out.push_str("nothing touches\n"),
+        false => tell_solve(&mut out, solve),
     }
     bodies.iter().for_each(|body| tell_body(&mut out, body));
     out
@@ -84,6 +88,15 @@ fn tell_tool(out: &mut String, tool: &ToolExplained) {
         }
     }
     out.push('\n');
+}
+
+fn tell_solve(out: &mut String, solve: &SolveExplained) {
+    let SolveExplained { direct_steps, left } = solve;
+    out.push_str("solve: ");
+    if *direct_steps > 0 {
+        let _ = write!(out, "{direct_steps} direct steps after the sweeps; ");
+    }
+    let _ = writeln!(out, "{left:.1e} of the largest force left");
 }
 
 fn tell_row(out: &mut String, row: &RowExplained) {

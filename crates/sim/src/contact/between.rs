@@ -93,6 +93,7 @@ pub(super) fn bodies(search: &mut Search<'_>, p: usize, other: usize) {
     let views = [view(my_body, mine), view(their_body, theirs)];
     let steps = [mine.step, theirs.step];
     let free = mine.gives().is_some() || theirs.gives().is_some();
+    let thinned = usize::from(std::mem::take(&mut pair_states[p].thinned));
     if let Some(view) = views[0].as_ref().filter(|_| !contacts.is_empty()) {
         let bounds = theirs.bounds;
         let look = |x: &Point3| {
@@ -102,13 +103,15 @@ pub(super) fn bodies(search: &mut Search<'_>, p: usize, other: usize) {
             }
             Some(seen)
         };
-        view.samples_in_touch(
+        let every = view.samples_in_touch(
             within(margin),
-            1,
+            thinned,
             |low, high| meet(&bounds, low, high, margin),
             look,
             hits,
         );
+        let kept = &mut pair_states[p].thinned;
+        *kept = (*kept).max(every.min(255) as u8);
         for hit in hits.iter() {
             let (u, v) = view.samples.parameter(hit.index);
             let Facing { gap_m, normal, uv } = hit.facing;
@@ -153,13 +156,15 @@ pub(super) fn bodies(search: &mut Search<'_>, p: usize, other: usize) {
             }
             Some(seen)
         };
-        view.samples_in_touch(
+        let every = view.samples_in_touch(
             within(margin),
-            1,
+            thinned,
             |low, high| meet(&bounds, low, high, margin),
             look,
             hits,
         );
+        let kept = &mut pair_states[p].thinned;
+        *kept = (*kept).max(every.min(255) as u8);
         for hit in hits.iter() {
             let (s, t) = view.samples.parameter(hit.index);
             let Facing {

@@ -135,6 +135,15 @@ impl Gives {
         }
     }
 
+    /// m / dt², N/m, and I / dt² in the world, N·m/rad.
+    pub(crate) fn inertia(&self, mass: &Mass, dt_s: f64) -> (f64, Matrix3) {
+        let per_square = 1.0 / (dt_s * dt_s);
+        let moments = Vector3::from(mass.moments_kg_m2) * per_square;
+        let axes = self.rotation.to_rotation_matrix().into_inner();
+        let turned = axes * Matrix3::from_diagonal(&moments) * axes.transpose();
+        (mass.mass_kg * per_square, turned)
+    }
+
     /// From the centre of mass to where a row acts, m: on a tool's row where it is on the body, on others
     /// in the middle between both surfaces, so that two bodies keep their angular momentum together.
     pub(crate) fn arm(&self, row: &Row) -> Vector3 {

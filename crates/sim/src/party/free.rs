@@ -17,6 +17,7 @@ use super::pipeline::Pipeline;
 use super::rigid::{Course, RigidState, Turn};
 use crate::body::Field;
 use crate::scene::{Free, Mover};
+use crate::solve::motions::Lever;
 use crate::solve::rows::{Row, RowSet};
 use crate::tick::record::TickFault;
 use palpate_geometry::math::{Point3, Vector3, turn_between};
@@ -74,8 +75,12 @@ impl Party for Of<'_, Freed<'_>> {
             return;
         };
         let Problem { rows, solver } = problem;
+        let inertia = gives.inertia(&self.kind.free.mass, self.scene.dt_s);
+        let body = solver.motions.add_body(inertia);
         for (i, a) in rows.rows.iter().enumerate() {
             for (sign_a, _) in a.sides_on(self.index) {
+                let (sign, arm) = (sign_a, gives.arm(a));
+                (solver.motions).add_lever(i, Lever { body, sign, arm });
                 let turned = gives.turned(a);
                 for (j, b) in rows.rows.iter().enumerate().take(i + 1) {
                     for (sign_b, _) in b.sides_on(self.index) {

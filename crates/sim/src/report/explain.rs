@@ -26,8 +26,19 @@ pub struct Explanation {
     pub tools: Vec<ToolExplained>,
     /// Rows of the contact solve, in its order.
     pub rows: Vec<RowExplained>,
+    /// How the solve ended.
+    pub solve: SolveExplained,
     /// Bodies that deform, in the order of the scene.
     pub bodies: Vec<BodyExplained>,
+}
+
+/// How the solve of a tick ended.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct SolveExplained {
+    /// Direct steps after the sweeps: none without a free rigid body, or where it has too many rows.
+    pub direct_steps: usize,
+    /// The most by which the law of a row would still change its force, relative to the largest force.
+    pub left: f64,
 }
 
 /// The sum of a tool's rows.
@@ -120,6 +131,10 @@ pub(crate) fn of_contact(balance: &mut Balance<'_>, output: &TickOutput) -> Expl
         tick: output.tick,
         quality: output.quality,
         tools: tools.collect(),
+        solve: SolveExplained {
+            direct_steps: balance.solver.direct.steps(),
+            left: balance.solver.problem.missed(),
+        },
         ..Explanation::default()
     };
     for i in 0..balance.rows.rows.len() {

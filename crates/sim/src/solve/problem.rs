@@ -321,6 +321,15 @@ impl ContactProblem {
         );
     }
 
+    /// Adds to the force of a row among those of all, N.
+    pub fn add_to(&self, forces_n: &mut [f64], i: usize, change_n: &Vector3) {
+        let row = &self.rows[i];
+        match &mut forces_n[row.span.clone()] {
+            [along] => *along += change_n.dot(&row.normal),
+            whole => whole.iter_mut().zip(change_n).for_each(|(to, by)| *to += by),
+        }
+    }
+
     /// Displacement of a row under all forces after a solve, m; of one without friction, along its normal.
     pub fn displaced_m(&self, i: usize) -> Vector3 {
         self.rows[i].whole(&self.displaced)

@@ -355,27 +355,32 @@ impl DeformingView<'_> {
         out: &mut Vec<SampleInTouch>,
     ) -> usize {
         let mut every = thinned.max(1);
-        self.collect(&mut approach, &mut every, &meets, &mut look, out);
+        // What a coarser grid has, a finer one may have left out: it begins anew.
+        while !self.collect(&mut approach, every, &meets, &mut look, out) {
+            every += 1;
+        }
         // Half full at the next finer grid is room to spare.
         let finer = every - 1;
         if every > 1 && out.len() * every * every < MAX_SAMPLES_PER_PAIR / 2 * finer * finer {
-            every = finer;
-            self.collect(&mut approach, &mut every, &meets, &mut look, out);
+            match self.collect(&mut approach, finer, &meets, &mut look, out) {
+                true => return finer,
+                false => self.collect(&mut approach, every, &meets, &mut look, out),
+            };
         }
         every
     }
 
-    /// Those of every `every`-th sample, which grows until they fit.
+    /// Those of every `every`-th sample; false where there are too many.
     fn collect(
         &self,
         approach: &mut Approach<impl FnMut(&BasisWindow, &BasisWindow, &Vector3) -> f64>,
-        every: &mut usize,
+        every: usize,
         meets: impl Fn(&Point3, &Point3) -> bool,
         mut look: impl FnMut(&Point3) -> Option<Facing>,
         out: &mut Vec<SampleInTouch>,
-    ) {
+    ) -> bool {
         out.clear();
-        let taken = |index: usize, every: usize| {
+        let taken = |index: usize| {
             every == 1 || (self.samples.place(index).iter()).all(|at| at.is_multiple_of(every))
         };
         let net = self.surface.net().points();
@@ -390,7 +395,7 @@ impl DeformingView<'_> {
                 continue;
             }
             for index in self.samples.samples_of(patch_u, patch_v) {
-                if !taken(index, *every) {
+                if !taken(index) {
                     continue;
                 }
                 let (wu, wv) = self.samples.windows(index);
@@ -401,20 +406,18 @@ impl DeformingView<'_> {
                     || (away_m < approach.closing_m
                         && away_m < (approach.closes)(wu, wv, &facing.normal));
                 if touches && faces(self.surface, wu, wv, &facing.normal) {
-                    while out.len() == MAX_SAMPLES_PER_PAIR {
-                        *every += 1;
-                        out.retain(|hit| taken(hit.index, *every));
+                    if out.len() == MAX_SAMPLES_PER_PAIR {
+                        return false;
                     }
-                    if taken(index, *every) {
-                        out.push(SampleInTouch {
-                            index,
-                            point,
-                            facing,
-                        });
-                    }
+                    out.push(SampleInTouch {
+                        index,
+                        point,
+                        facing,
+                    });
                 }
             }
         }
+        true
     }
 }
 

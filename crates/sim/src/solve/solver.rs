@@ -7,6 +7,7 @@ use super::hold::Barrier;
 use super::impacts::Impacts;
 use super::indentation::{Indentation, Touch};
 use super::matrix::ContactMatrix;
+use super::motions::Motions;
 use super::problem::ContactProblem;
 use super::sharing::Share;
 use palpate_geometry::math::Vector3;
@@ -19,6 +20,8 @@ pub struct Solver {
     pub matrix: ContactMatrix,
     /// Their forces.
     pub problem: ContactProblem,
+    /// Bodies that move freely, and the rows on them.
+    pub motions: Motions,
     /// Ends solves of bodies that move freely.
     pub direct: Direct,
     /// By body, then by tool: mass of the heaviest body that it is in touch with, through others that give way too; 0

@@ -9,6 +9,7 @@ use crate::contact::warm::{Warm, WarmRow};
 use crate::contact::{bounce, dent, stick};
 use crate::party::{BodyScratch, BodyState, Party as _, Problem, ToolScratch, ToolState};
 use crate::scene::{Body, Scene};
+use crate::solve::direct::{Change, Coupled};
 use crate::solve::friction::FrictionLaw;
 use crate::solve::hold::{Barrier, hold};
 use crate::solve::indentation::Indentation;
@@ -50,6 +51,7 @@ impl Balance<'_> {
         let rows = self.rows.rows.iter();
         let rows = rows.map(|row| (row.normal, row.law.acts_across()));
         self.solver.matrix.begin(rows);
+        self.solver.motions.begin(self.rows.rows.len());
         if self.rows.rows.is_empty() {
             return;
         }
@@ -143,6 +145,7 @@ impl Balance<'_> {
         let Solver {
             problem,
             matrix,
+            motions,
             direct,
             heaviest_kg,
             ..
@@ -154,11 +157,22 @@ impl Balance<'_> {
             sweeps
         };
         problem.solve(matrix, first);
-        let concerns = |i: usize| {
+        direct.skip();
+        let change = |i: usize| {
             let row = &self.rows.rows[i];
-            giving(scene, row).any(|party| heaviest_kg[party] > 0.0)
+            let moves = giving(scene, row).any(|party| heaviest_kg[party] > 0.0);
+            let free = |party: usize| scene.bodies.get(party).is_some_and(|b| b.free().is_some());
+            let own = match giving(scene, row).all(free) {
+                true => row.ease / (1.0 + row.ease),
+                false => 0.0,
+            };
+            match moves {
+                true => Change::Free { own },
+                false => Change::Fixed,
+            }
         };
-        if any_free && !direct.end(problem, matrix, concerns) {
+        let coupled = Coupled { matrix, motions };
+        if any_free && !direct.end(problem, coupled, change) {
             problem.solve(matrix, sweeps);
         }
         stick::settle(&self.rows.rows, self.solver);

@@ -12,6 +12,7 @@ use crate::solve::direct::Direct;
 use crate::solve::impacts::Impacts;
 use crate::solve::indentation::{Indentation, Touch};
 use crate::solve::matrix::ContactMatrix;
+use crate::solve::motions::Motions;
 use crate::solve::problem::ContactProblem;
 use crate::solve::rows::{MAX_ROWS_PER_PAIR, RowSet, SampleInTouch};
 use crate::solve::solver::Solver;
@@ -108,7 +109,8 @@ impl Scene {
         let frictional = self.pairs.iter().any(|pair| pair.friction.is_some());
         let grips = self.tools.iter().any(|tool| tool.grip_n > 0.0);
         let directions = most_rows * if frictional || grips { 3 } else { 1 };
-        let free = (0..self.bodies.len()).any(|body| self.is_free(body));
+        let free = (0..self.bodies.len()).filter(|body| self.is_free(*body));
+        let free = free.count();
         let mut scratch = Scratch {
             tools: self.tool_parties().map(|tool| tool.scratch()).collect(),
             bodies: self.parties().map(|body| body.scratch()).collect(),
@@ -120,7 +122,8 @@ impl Scene {
             solver: Solver {
                 matrix: ContactMatrix::new(most_rows, directions),
                 problem: ContactProblem::new(most_rows, directions),
-                direct: Direct::new(most_rows, if free { directions } else { 0 }),
+                motions: Motions::new(most_rows, free),
+                direct: Direct::new(most_rows, directions, free),
                 heaviest_kg: vec![0.0; self.bodies.len() + self.tools.len()],
                 impacts: Impacts::new(most_rows),
                 sticks: Vec::with_capacity(most_rows),
