@@ -205,7 +205,7 @@ impl Meeting<'_> {
             self.push(to, key, contact);
         }
         let apart_m = SAME_POINT * self.same_m;
-        for row in own.filter(|_| self.lies.is_some()) {
+        for row in own.filter(|_| self.lies.is_some() || self.deforms()) {
             let is_left = old[..count].iter().any(|(_, key)| *key == row.id.key);
             if !is_left || to.count == MAX_FEET {
                 continue;
