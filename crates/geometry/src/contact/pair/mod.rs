@@ -363,7 +363,13 @@ impl PairSolver {
     /// is deepest inside. None where it is not, or only with its rim.
     fn side_of(&self, sheet: &Surface, known: Option<f64>) -> Option<f64> {
         let found = self.on_body.found.iter().map(|region| &region.top);
-        let top = found.max_by(|a, b| a.sounding.depth_m.total_cmp(&b.sounding.depth_m))?;
+        let first = found.clone().next()?;
+        // Where the way out of the tool is shortest along the sheet, that says nothing of its sides.
+        let telling = found.filter(|top| is_edge(sheet, top) || cosine(sheet, top).abs() > FACES);
+        let top = telling.max_by(|a, b| a.sounding.depth_m.total_cmp(&b.sounding.depth_m));
+        let Some(top) = top else {
+            return known.filter(|_| first.sounding.depth_m >= 0.0);
+        };
         let cosine = cosine(sheet, top);
         (cosine.abs() > FACES).then(|| match known {
             Some(side) if !on_rim(sheet, top) => side,
@@ -371,10 +377,11 @@ impl PairSolver {
         })
     }
 
-    /// The way out of the tool leads through the sheet.
+    /// The way out of the tool leads through the sheet, or, from a smooth place of it, along it.
     fn is_through(&self, sheet: &Surface, top: &Top) -> bool {
         let side = self.side.unwrap_or(0.0);
-        side * cosine(sheet, top) < -FACES && !on_rim(sheet, top)
+        let least = if is_edge(sheet, top) { -FACES } else { FACES };
+        side * cosine(sheet, top) < least && !on_rim(sheet, top)
     }
 }
 
@@ -451,6 +458,11 @@ fn normal_of(top: &Top, upper: &Surface) -> Vector3 {
 /// Of the way out of a tool, and the normal of a sheet that is inside of it.
 fn cosine(sheet: &Surface, top: &Top) -> f64 {
     -top.sounding.normal.dot(&sheet.normal(top.u, top.v))
+}
+
+/// At a rim or a crease.
+fn is_edge(sheet: &Surface, top: &Top) -> bool {
+    on_rim(sheet, top) || !sheet.is_smooth_at(top.u, top.v)
 }
 
 /// At an end of its parameters.
