@@ -32,6 +32,8 @@ PANELS = {
     "two-hands": ([("right hand alone", 1150, "one hand"), ("both hands", 1150, "both hands")], (12, -80)),
     "vessel-probe": ([("vessel", 10, "before"), ("vessel", 1350, "probed")], (12, -70)),
     "stack": ([("tower", 2000, "ten alike"), ("heavy on light", 2000, "the second 100 times as heavy")], (10, -70)),
+    "dominoes": ([("row", 250, "0.25 s"), ("row", 1600, "at rest")], (14, -75)),
+    "wall": ([("wall", 500, "at rest")], (14, -60)),
     "tele-touch": ([("both near", 1000, "both press, near"), ("20 ms away", 1000, "both press, 20 ms away")], (16, -70)),
 }
 
@@ -39,7 +41,7 @@ PANELS = {
 # Heights drawn larger, where they would not show.
 STRETCH = {"spoon-grip": 6.0, "plasticine": 10.0, "spoon-weight": 400.0, "tele-touch": 4.0}
 # Only what is nearer to the middle than this, m.
-NEAR = {"plasticine": 0.02, "stack": 0.06}
+NEAR = {"plasticine": 0.02, "stack": 0.06, "dominoes": 0.23, "wall": 0.12}
 # Bodies left out.
 OUT = {"plate"}
 

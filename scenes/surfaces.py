@@ -1,6 +1,7 @@
 """Writes the surfaces of the spoon scenarios: python3 scenes/surfaces.py (no packages needed).
 
 handle.json: a strip of 150 mm × 16 mm in z = 0, normal +z, u along it; scenes give it its thickness.
+box.json: a box with flat faces on z = 0, its edges rounded.
 puck.json: a cylinder of radius 20 mm and height 20 mm on z = 0 with flat faces and a rim rounded by half a millimetre.
 bowl.json: a bowl of 60 mm × 40 mm, its tip at x = -60 mm, its neck at x = 0, where it is as wide as the handle; 12 mm
 deep for the merge, 6 mm for the jelly. Control points are places of these functions, so that the surfaces are smooth versions of them.
@@ -49,6 +50,18 @@ def bowl(deep):
     return at
 
 
+def of_rings(name, rings):
+    return {
+        "format": "palpate.surface.v1",
+        "name": name,
+        "degree": [3, 3],
+        "periodic": [True, False],
+        "knots": [[k / len(rings) for k in range(len(rings) + 1)], knots(len(rings[0]))],
+        "points": [[[round(x, 12) for x in point] for point in ring] for ring in rings],
+        "flip_normal": False,
+    }
+
+
 def puck(radius, height):
     around = 12
     # A cubic B-spline is inside of its polygon by this.
@@ -58,20 +71,23 @@ def puck(radius, height):
     face = [0.0, 0.3, 0.6, 0.85, 0.95]
     profile = [(part, 0.0) for part in face] + [(1.0, z) for z in (rim, 0.5 * height, height - rim)]
     profile += [(part, height) for part in reversed(face)]
-    points = []
+    rings = []
     for k in range(around):
         angle = 2 * math.pi * k / around
-        ring = [(out * part * radius * math.cos(angle), out * part * radius * math.sin(angle), z) for part, z in profile]
-        points.append([[round(x, 12) for x in point] for point in ring])
-    return {
-        "format": "palpate.surface.v1",
-        "name": "puck",
-        "degree": [3, 3],
-        "periodic": [True, False],
-        "knots": [[k / around for k in range(around + 1)], knots(len(profile))],
-        "points": points,
-        "flip_normal": False,
-    }
+        cos, sin = out * radius * math.cos(angle), out * radius * math.sin(angle)
+        rings.append([(part * cos, part * sin, z) for part, z in profile])
+    return of_rings("puck", rings)
+
+
+def box(length, width, height, rounded):
+    # Five points in a line make two spans of it; the corner between two lines is rounded.
+    a, b, r = length / 2, width / 2, rounded
+    half = [(a, -b + r), (a, 0), (a, b - r), (a, b), (a - r, b), (0, b), (-a + r, b), (-a, b)]
+    around = half + [(-x, -y) for x, y in half]
+    face = [0, 0.25, 0.5, 0.75, 1 - 2 * r / min(length, width)]
+    profile = [(part, 0) for part in face] + [(1, z) for z in (0, r, height / 2, height - r, height)]
+    profile += [(part, height) for part in reversed(face)]
+    return of_rings("box", [[(part * x, part * y, z) for part, z in profile] for x, y in around])
 
 
 def write(document, *folders):
@@ -84,3 +100,5 @@ write(surface("handle", (16, 6), handle), "spoon-bend", "spoon-grip", "spoon-mer
 write(surface("bowl", (12, 10), bowl(0.012)), "spoon-merge")
 write(surface("bowl", (12, 10), bowl(0.006)), "jelly", "jelly-shake")
 write(puck(0.02, 0.02), "stack")
+write(box(0.006, 0.02, 0.04, 0.0005), "dominoes")
+write(box(0.04, 0.02, 0.02, 0.001), "wall")

@@ -29,6 +29,8 @@ builtin! {
     "palpation": "scenario.toml", "scene.toml";
     "tele-touch": "scenario.toml", "scene.toml", "left.toml", "right.toml";
     "stack": "scenario.toml", "scene.toml", "puck.json";
+    "dominoes": "scenario.toml", "scene.toml", "box.json";
+    "wall": "scenario.toml", "scene.toml", "box.json";
 }
 
 /// Scenes of the program without hands: name and text.

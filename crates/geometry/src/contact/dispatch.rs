@@ -589,6 +589,7 @@ mod tests {
                 let reach = Reach {
                     margin_m: 1e-4,
                     below: false,
+                    closing_m: 0.0,
                 };
                 narrow.contacts(&shape, &pose, body, reach);
                 let depth = narrow.set.deepest().map(|contact| contact.depth_m);

@@ -64,6 +64,8 @@ pub struct Reach {
     pub margin_m: f64,
     /// The body is an open sheet and the tool is on the side that its normals point away from.
     pub below: bool,
+    /// How much nearer surfaces may come before they are looked at again, m: places of a face that may touch by then span it.
+    pub closing_m: f64,
 }
 
 impl Reach {
@@ -71,6 +73,7 @@ impl Reach {
     pub const TOUCH: Self = Self {
         margin_m: 0.0,
         below: false,
+        closing_m: 0.0,
     };
 
     /// +1, or −1 below a sheet: what normals and signed distances of the body are multiplied with.

@@ -218,6 +218,7 @@ impl Exact {
             Reach {
                 margin_m,
                 below: false,
+                closing_m: 0.0,
             },
             &mut self.contacts,
         );

@@ -60,6 +60,7 @@ pub(super) fn bodies(search: &mut Search<'_>, p: usize, other: usize) {
     let reach = Reach {
         margin_m: margin,
         below: proxy.below,
+        closing_m: closing,
     };
     // What is closed has the side of a sheet on which it touches, as long as it does.
     let known = their_body.two_sided || proxy.touching && proxy.known;
@@ -247,6 +248,7 @@ pub(super) fn itself(search: &mut Search<'_>, p: usize) {
         Reach {
             margin_m: margin,
             below: false,
+            closing_m: 0.0,
         },
         deepest_m,
     );

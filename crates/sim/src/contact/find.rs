@@ -208,6 +208,7 @@ fn ball(search: &mut Search<'_>, p: usize, t: usize, radius_m: f64) {
     let reach = Reach {
         margin_m: near,
         below: proxy.below,
+        closing_m: 0.0,
     };
     let here = Pose::from_parts(held.centre.coords.into(), Rotation::identity());
     pairs[p].contacts(&scene.tools[t].shape, &here, parts.side(), reach);
@@ -409,6 +410,7 @@ fn shape(search: &mut Search<'_>, p: usize, t: usize) -> Pose {
         let reach = Reach {
             margin_m: length.min(longest).max(margin) + closing,
             below: proxy.below,
+            closing_m: 0.0,
         };
         scratch_pair.contacts(&tool.shape, &anchor.pose(), parts.side(), reach);
         if length <= reach.margin_m
@@ -434,6 +436,7 @@ fn shape(search: &mut Search<'_>, p: usize, t: usize) -> Pose {
             let reach = Reach {
                 margin_m,
                 below: proxy.below,
+                closing_m: 0.0,
             };
             scratch_pair.contacts(&tool.shape, &anchor.pose(), parts.side(), reach);
         }

@@ -182,32 +182,36 @@ impl Meeting<'_> {
         found: &[Contact],
         own: impl Iterator<Item = &'r WarmRow> + Clone,
     ) {
-        let mut old = [(Point3::origin(), RowKey::Foot(0)); MAX_FEET];
+        let mut old: [(Point3, Option<&WarmRow>); MAX_FEET] = [(Point3::origin(), None); MAX_FEET];
         let mut count = 0;
         for (old, row) in old.iter_mut().zip(own.clone()) {
             let [u, v] = row.uv;
-            *old = (self.parts.surface.point(u, v), row.id.key);
+            *old = (self.parts.surface.point(u, v), Some(row));
             count += 1;
         }
         let deepest = found.iter().filter(|contact| !spans(contact));
         for contact in deepest.take(MAX_FEET) {
             let away = |k: usize| (old[k].0 - contact.on_body).norm();
             let nearest = (0..count).min_by(|&a, &b| away(a).total_cmp(&away(b)));
-            let key = match nearest.filter(|&k| away(k) < self.same_m) {
-                Some(k) => {
-                    count -= 1;
-                    old.swap(k, count);
-                    Some(old[count].1)
-                }
-                None => to.new_key(),
+            let known = nearest.filter(|&k| away(k) < self.same_m).and_then(|k| {
+                count -= 1;
+                old.swap(k, count);
+                old[count].1
+            });
+            let Some(row) = known else {
+                let Some(key) = to.new_key() else { return };
+                self.push(to, key, contact);
+                continue;
             };
-            let Some(key) = key else { return };
-            self.push(to, key, contact);
+            // Along an edge any place may be the deepest by rounding: a foot stays where it is as deep.
+            let as_deep_m = contact.depth_m - DEEPER * self.size_m;
+            let again = self.again(row).filter(|again| again.depth_m >= as_deep_m);
+            self.push(to, row.id.key, again.as_ref().unwrap_or(contact));
         }
         let apart_m = SAME_POINT * self.same_m;
         for row in own.filter(|_| self.lies.is_some() || self.deforms()) {
-            let is_left = old[..count].iter().any(|(_, key)| *key == row.id.key);
-            if !is_left || to.count == MAX_FEET {
+            let mut left = old[..count].iter().filter_map(|(_, row)| *row);
+            if !left.any(|left| left.id == row.id) || to.count == MAX_FEET {
                 continue;
             }
             let again = self.again(row);

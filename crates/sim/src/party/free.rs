@@ -145,6 +145,10 @@ impl Party for Of<'_, Freed<'_>> {
         scratch: &mut BodyScratch,
         _: &mut Option<Box<dyn Pipeline>>,
     ) -> Option<TickFault> {
+        if state.is_left_alone() {
+            arrive(state, scratch);
+            return None;
+        }
         let (rigid, now) = (scratch.rigid.as_mut()?, state.rigid.as_ref()?);
         rigid.next = self.pushed(now, rigid.load);
         let fault = self.unsound(&rigid.next);

@@ -17,7 +17,7 @@ use super::problem::ContactProblem;
 use palpate_geometry::math::{Matrix3, Vector3};
 
 /// Most unknowns of a step: its work grows with their cube.
-const MOST: usize = 700;
+const MOST: usize = 432;
 /// Steps of a solve.
 const STEPS: usize = 12;
 /// How often a step that makes nothing better is halved.
@@ -426,7 +426,9 @@ impl System<'_> {
     /// The unknowns at a place, once they are known.
     fn solution(&self, at: Place) -> Vector3 {
         let known = |a: usize| self.rows[a * (self.size + 1) + self.size];
-        at.directions().map(|(a, direction)| direction * known(a)).sum()
+        at.directions()
+            .map(|(a, direction)| direction * known(a))
+            .sum()
     }
 }
 

@@ -326,7 +326,10 @@ impl ContactProblem {
         let row = &self.rows[i];
         match &mut forces_n[row.span.clone()] {
             [along] => *along += change_n.dot(&row.normal),
-            whole => whole.iter_mut().zip(change_n).for_each(|(to, by)| *to += by),
+            whole => whole
+                .iter_mut()
+                .zip(change_n)
+                .for_each(|(to, by)| *to += by),
         }
     }
 

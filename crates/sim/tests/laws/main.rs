@@ -5,6 +5,7 @@
 mod apart;
 mod bending;
 mod bounce;
+mod boxes;
 mod carried;
 mod chains;
 #[path = "../common/mod.rs"]

@@ -66,6 +66,7 @@ fn contact_queries_allocate_nothing_and_repeat_themselves() {
         let reach = Reach {
             margin_m: 0.01 * size,
             below: false,
+            closing_m: 0.0,
         };
         let mut scratch = ExactScratch::new(&body, &mut solver);
         run("ball", &body, 300, |p, out| {

@@ -270,6 +270,7 @@ fn contacts_by_spheres_allocate_nothing() {
                 let reach = Reach {
                     margin_m,
                     below: false,
+                    closing_m: 0.0,
                 };
                 b.ball(&at, 5e-3, &reach, &mut set);
                 met += set.contacts().len();

@@ -11,6 +11,7 @@ fn with_margin(margin_m: f64) -> Reach {
     Reach {
         margin_m,
         below: false,
+        closing_m: 0.0,
     }
 }
 
@@ -468,6 +469,7 @@ fn open_edge_and_corner_are_touched_where_they_are() {
     let below = Reach {
         margin_m: 0.0,
         below: true,
+        closing_m: 0.0,
     };
     let set = ball_on(&sheet, Point3::new(0.1, 0.2, -0.04), 0.06, &below);
     assert!((set.deepest().unwrap().depth_m - 0.02).abs() < 1e-12);

@@ -25,6 +25,7 @@ fn contacts(surface: &Surface, shape: &ToolShape, pose: &Pose) -> Vec<Contact> {
     let reach = Reach {
         margin_m: MARGIN_M,
         below: false,
+        closing_m: 0.0,
     };
     narrow.contacts(shape, pose, PairSide { surface, solver }, reach);
     narrow.set.contacts().to_vec()

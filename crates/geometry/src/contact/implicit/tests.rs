@@ -475,6 +475,7 @@ fn a_cylinder_lying_on_a_sheet_is_one_contact_and_two_balls_are_two() {
     let reach = Reach {
         margin_m: 0.02,
         below: false,
+        closing_m: 0.0,
     };
     let set = touch(&sheet, &two, &at(Point3::new(0.05, 0.02, 0.11)), &reach);
     assert_eq!(set.contacts().len(), 2, "{set:?}");

@@ -243,6 +243,7 @@ fn a_face_on_a_round_body_is_touched_by_the_body() {
         &Reach {
             margin_m: 0.02,
             below: false,
+            closing_m: 0.0,
         },
     );
     assert!(

@@ -64,6 +64,7 @@ fn folds(surface: &Surface, margin_m: f64, deepest_fold_m: f64) -> ContactSet {
     let reach = Reach {
         margin_m,
         below: false,
+        closing_m: 0.0,
     };
     SelfSolver::new(surface).contacts(surface, &mut solver, reach, deepest_fold_m, &mut set);
     set

@@ -233,6 +233,7 @@ impl PairSolver {
         } else {
             0.0
         };
+        let reach = Reach { margin_m, ..reach };
         self.body.begin(body_solver.pieces(body));
         self.tool.begin(tool_solver.pieces(tool));
         let (body_m, tool_m) = (self.body.whole.diagonal(), self.tool.whole.diagonal());
@@ -324,7 +325,7 @@ impl PairSolver {
                     .find_from(&mut upper, &mut self.body, &mut below, starts, margin_m);
             }
             if self.spreads {
-                (self.on_body).spread(&self.body, &mut below, margin_m, std::iter::empty());
+                (self.on_body).spread(&self.body, &mut below, reach, std::iter::empty());
             }
         }
         let side = if self.tool.closed && !self.body.closed {
@@ -353,7 +354,7 @@ impl PairSolver {
             .find(&mut upper, &mut self.tool, &mut below, pairs, margin_m);
         if self.spreads {
             let others = self.on_body.spread.iter().map(|top| top.point);
-            (self.on_tool).spread(&self.tool, &mut below, margin_m, others);
+            (self.on_tool).spread(&self.tool, &mut below, reach, others);
         }
     }
 }
@@ -363,12 +364,11 @@ impl PairSolver {
     /// is deepest inside. None where it is not, or only with its rim.
     fn side_of(&self, sheet: &Surface, known: Option<f64>) -> Option<f64> {
         let found = self.on_body.found.iter().map(|region| &region.top);
-        let first = found.clone().next()?;
         // Where the way out of the tool is shortest along the sheet, that says nothing of its sides.
         let telling = found.filter(|top| is_edge(sheet, top) || cosine(sheet, top).abs() > FACES);
         let top = telling.max_by(|a, b| a.sounding.depth_m.total_cmp(&b.sounding.depth_m));
         let Some(top) = top else {
-            return known.filter(|_| first.sounding.depth_m >= 0.0);
+            return known.filter(|_| !self.on_body.found.is_empty());
         };
         let cosine = cosine(sheet, top);
         (cosine.abs() > FACES).then(|| match known {

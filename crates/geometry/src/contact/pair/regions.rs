@@ -5,6 +5,7 @@ use super::cells::{Cells, arc};
 use super::depth::Below;
 use super::facing::StationaryPair;
 use super::tops::{Top, Upper};
+use crate::contact::set::Reach;
 use crate::math::Point3;
 
 /// Depths within this of each other, relative to the size, are level: faces that lie on each other.
@@ -234,7 +235,7 @@ impl Regions {
         margin_m: f64,
     ) {
         let mut deepest = None;
-        let mut most_m = -self.flat_m;
+        let mut most_m = f64::NEG_INFINITY;
         for &(u, v) in starts {
             let point = upper.solver.frame_at(upper.surface, u, v).point;
             let (depth_m, foot) = below.rough(&point);
@@ -482,7 +483,7 @@ impl Regions {
         &mut self,
         cells: &Cells,
         below: &mut Below<'_>,
-        margin_m: f64,
+        reach: Reach,
         others: impl Iterator<Item = Point3>,
     ) {
         self.spread.clear();
@@ -490,7 +491,8 @@ impl Regions {
         let Some(deepest_m) = depths.max_by(f64::total_cmp) else {
             return;
         };
-        let least_m = (-margin_m).max(deepest_m - FACE * cells.whole.diagonal());
+        let face_m = reach.closing_m.max(FACE * cells.whole.diagonal());
+        let least_m = (-reach.margin_m).max(deepest_m - face_m);
         let apart_m = APART * cells.whole.diagonal();
         // (vertices): how far from the nearest that is there already, squared.
         self.best.fill(f64::INFINITY);

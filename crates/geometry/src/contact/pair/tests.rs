@@ -28,6 +28,7 @@ pub(super) fn contacts(body: &Surface, tool: &Surface, margin_m: f64) -> Contact
         Reach {
             margin_m,
             below: false,
+            closing_m: 0.0,
         },
         &mut set,
     );
@@ -414,6 +415,7 @@ fn what_is_not_finite_or_far_away_touches_nothing() {
             Reach {
                 margin_m: 0.01,
                 below: false,
+                closing_m: 0.0,
             },
             &mut set,
         );

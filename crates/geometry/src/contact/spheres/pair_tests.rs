@@ -221,6 +221,7 @@ fn a_gap_within_the_margin_is_a_contact_of_negative_depth() {
         &Reach {
             margin_m: 2e-3,
             below: false,
+            closing_m: 0.0,
         },
     );
     assert!(!set.overlap());
@@ -234,6 +235,7 @@ fn a_gap_within_the_margin_is_a_contact_of_negative_depth() {
         &Reach {
             margin_m: 5e-4,
             below: false,
+            closing_m: 0.0,
         },
     );
     assert!(set.contacts().is_empty(), "{set:?}");

@@ -511,6 +511,7 @@ fn a_sheet_is_touched_from_the_side_the_tool_came_from() {
         let reach = Reach {
             margin_m: 0.0,
             below,
+            closing_m: 0.0,
         };
         spheres.ball(&Point3::new(0.01, 0.02, z), 0.01, &reach, set);
         set.deepest().map(|c| (c.depth_m, c.normal.z))
