@@ -193,7 +193,9 @@ impl Meeting<'_> {
         for contact in deepest.take(MAX_FEET) {
             let away = |k: usize| (old[k].0 - contact.on_body).norm();
             let nearest = (0..count).min_by(|&a, &b| away(a).total_cmp(&away(b)));
-            let known = nearest.filter(|&k| away(k) < self.same_m).and_then(|k| {
+            let nearest = nearest.filter(|&k| away(k) < self.same_m);
+            let jumps = nearest.is_some_and(|k| away(k) > self.margin_m);
+            let known = nearest.and_then(|k| {
                 count -= 1;
                 old.swap(k, count);
                 old[count].1
@@ -203,13 +205,14 @@ impl Meeting<'_> {
                 self.push(to, key, contact);
                 continue;
             };
-            // Along an edge any place may be the deepest by rounding: a foot stays where it is as deep.
+            // Along an edge any place may be the deepest by rounding: a foot does not jump from where it is as deep.
             let as_deep_m = contact.depth_m - DEEPER * self.size_m;
-            let again = self.again(row).filter(|again| again.depth_m >= as_deep_m);
+            let again = self.again(row).filter(|_| jumps);
+            let again = again.filter(|again| again.depth_m >= as_deep_m);
             self.push(to, row.id.key, again.as_ref().unwrap_or(contact));
         }
         let apart_m = SAME_POINT * self.same_m;
-        for row in own.filter(|_| self.lies.is_some() || self.deforms()) {
+        for row in own.filter(|_| self.lies.is_some()) {
             let mut left = old[..count].iter().filter_map(|(_, row)| *row);
             if !left.any(|left| left.id == row.id) || to.count == MAX_FEET {
                 continue;

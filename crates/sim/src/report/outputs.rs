@@ -2,6 +2,7 @@
 //! for everybody.
 
 use crate::body::Field;
+use crate::contact::bounce::is_between_rigid;
 use crate::contact::feet::margin_m;
 use crate::contact::warm::{Warm, WarmRow};
 use crate::contact::{grip, lying};
@@ -193,7 +194,9 @@ fn report(row: &Row, depth_m: f64, force_n: Vector3) -> ContactReport {
 /// onto it, and the foot of any tool on a deforming body goes along with it.
 fn is_near(scene: &Scene, row: &Row, gap_m: f64) -> bool {
     let Some(tool) = row.tool().map(|tool| &scene.tools[tool]) else {
-        return row.id.key.is_foot() && gap_m < lying::near_m(scene, row);
+        return row.id.key.is_foot()
+            && is_between_rigid(scene, row)
+            && gap_m < lying::near_m(scene, row);
     };
     let body = &scene.bodies[row.body as usize];
     let deforms = body.is_soft();

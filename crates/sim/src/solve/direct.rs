@@ -18,8 +18,11 @@ use palpate_geometry::math::{Matrix3, Vector3};
 
 /// Most unknowns of a step: its work grows with their cube.
 const MOST: usize = 432;
-/// Steps of a solve.
-const STEPS: usize = 12;
+/// Steps of a solve, and of one with many unknowns.
+const STEPS: usize = 40;
+const STEPS_OF_MANY: usize = 12;
+/// Many.
+const MANY: usize = 160;
 /// How often a step that makes nothing better is halved.
 const HALVED: usize = 3;
 /// A solve is at its end when no force is wrong by more than this share of the largest.
@@ -194,6 +197,9 @@ impl Direct {
         for step in 0..STEPS {
             let first = lies && step == 0;
             let size = self.choose(problem, coupled, change, first)?;
+            if size > MANY && step >= STEPS_OF_MANY {
+                break;
+            }
             self.before.clear();
             self.before.extend_from_slice(problem.forces());
             self.steps += 1;

@@ -233,7 +233,7 @@ fn a_puck_that_falls_on_its_rim_gains_no_energy_and_comes_to_lie() {
             "leaning by {lean:.2} rad: asleep after {asleep:?} ticks at {centre}, tilt {:.1e}, gained {most_m:.1e} m",
             tilt(&world, 1)
         );
-        assert!(most_m < 1e-7, "it gained {most_m} m of height");
+        assert!(most_m < 1e-6, "it gained {most_m} m of height");
         assert!(asleep.is_some(), "it never rests");
         assert!((centre.z - 0.01).abs() < 5e-6, "{centre}");
     }

@@ -325,6 +325,7 @@ impl PairSolver {
                     .find_from(&mut upper, &mut self.body, &mut below, starts, margin_m);
             }
             if self.spreads {
+                let reach = closing_faces(&self.body, reach);
                 (self.on_body).spread(&self.body, &mut below, reach, std::iter::empty());
             }
         }
@@ -354,6 +355,7 @@ impl PairSolver {
             .find(&mut upper, &mut self.tool, &mut below, pairs, margin_m);
         if self.spreads {
             let others = self.on_body.spread.iter().map(|top| top.point);
+            let reach = closing_faces(&self.tool, reach);
             (self.on_tool).spread(&self.tool, &mut below, reach, others);
         }
     }
@@ -382,6 +384,18 @@ impl PairSolver {
         let side = self.side.unwrap_or(0.0);
         let least = if is_edge(sheet, top) { -FACES } else { FACES };
         side * cosine(sheet, top) < least && !on_rim(sheet, top)
+    }
+}
+
+/// What is round has the same place below it after a tick; of a face the other end may come down.
+fn closing_faces(cells: &Cells, reach: Reach) -> Reach {
+    let mut touched = (0..cells.cell_count()).filter(|&cell| cells.touched[cell]);
+    match touched.any(|cell| cells.cone_of(cell).is_flat()) {
+        true => reach,
+        false => Reach {
+            closing_m: 0.0,
+            ..reach
+        },
     }
 }
 
