@@ -25,7 +25,7 @@ const SUDDEN: f64 = 0.02;
 /// A contact this near to a foot of the last tick, relative to the size of the smaller body, is that foot.
 const SAME: f64 = 0.05;
 
-/// How much more than by its bodies a row between rigid ones that has carried gives way. Balance does not say how three
+/// How much more than by its bodies a row between rigid ones that has carried gives way. Balance does not say how two
 /// and more rows share a force; so they do as springs of one stiffness would. What lies is in by this share of g dt².
 const EASE: f64 = 0.1;
 
@@ -222,7 +222,7 @@ pub(super) fn bodies(search: &mut Search<'_>, p: usize, other: usize) {
     // Rigid faces share what they bear.
     let shares = warm.of_pair(p).any(|row| row.force_n > 0.0);
     meeting.push_feet(rows, contacts, warm.rows());
-    if views.iter().all(Option::is_none) && rows.of_pair().len() > 2 {
+    if views.iter().all(Option::is_none) && rows.of_pair().len() > 1 {
         let ease = if shares { EASE } else { bounce::TRACE };
         (rows.of_pair_mut().iter_mut()).for_each(|row| row.ease = ease);
     }

@@ -25,6 +25,8 @@ const STEPS_OF_MANY: usize = 12;
 const MANY: usize = 160;
 /// How often a step that makes nothing better is halved.
 const HALVED: usize = 3;
+/// A pivot smaller than this, relative to its column, is rounding.
+const ROUNDING: f64 = 1e-13;
 /// A solve is at its end when no force is wrong by more than this share of the largest.
 const ENOUGH: f64 = 1e-9;
 
@@ -102,6 +104,8 @@ pub struct Direct {
     system: Vec<f64>,
     /// By equation, the unknowns behind which it has none.
     ends: Vec<usize>,
+    /// By unknown, the most that it counts in an equation.
+    scales: Vec<f64>,
     /// Forces before a step and after it, N.
     before: Vec<f64>,
     after: Vec<f64>,
@@ -126,6 +130,7 @@ impl Direct {
             active: Vec::with_capacity(rows),
             system: vec![0.0; room * (room + 1)],
             ends: vec![0; room],
+            scales: vec![0.0; room],
             before: Vec::with_capacity(directions),
             after: Vec::with_capacity(directions),
             swept: Vec::with_capacity(directions),
@@ -350,7 +355,8 @@ impl Direct {
                 }
             }
         }
-        if !eliminate(system.rows, &mut self.ends[..size]) {
+        let (ends, scales) = (&mut self.ends[..size], &mut self.scales[..size]);
+        if !eliminate(system.rows, ends, scales) {
             return false;
         }
         self.after.clear();
@@ -476,11 +482,17 @@ fn project(law: &FrictionLaw, normal: &Vector3, wish: &Vector3) -> Option<(Vecto
 /// Gaussian elimination of as many rows of one number more as there are `ends`, with the largest pivot of each column; the
 /// last column becomes the solution. False for a matrix without an inverse. Bodies in a row make a band of it: `ends` takes
 /// where each row is zero from on, but for its last number.
-fn eliminate(rows: &mut [f64], ends: &mut [usize]) -> bool {
+fn eliminate(rows: &mut [f64], ends: &mut [usize], scales: &mut [f64]) -> bool {
     let size = ends.len();
     let width = size + 1;
     for (row, end) in rows.chunks_exact(width).zip(&mut *ends) {
         *end = row[..size].iter().rposition(|x| *x != 0.0).unwrap_or(0) + 1;
+    }
+    scales.fill(0.0);
+    for row in rows.chunks_exact(width) {
+        for (scale, entry) in scales.iter_mut().zip(row) {
+            *scale = scale.max(entry.abs());
+        }
     }
     for k in 0..size {
         let mut largest = k;
@@ -495,7 +507,7 @@ fn eliminate(rows: &mut [f64], ends: &mut [usize]) -> bool {
             ends.swap(k, largest);
         }
         let pivot = rows[k * width + k];
-        if pivot == 0.0 || !pivot.is_finite() {
+        if pivot.abs() <= ROUNDING * scales[k] || !pivot.is_finite() {
             return false;
         }
         let end = ends[k];

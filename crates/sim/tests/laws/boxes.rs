@@ -106,7 +106,7 @@ fn a_box_that_is_set_on_a_face_an_edge_or_a_corner_comes_to_lie_on_a_face() {
         Vector3::new(0.0, 0.48 * quarter, 0.0),
     ];
     let mut random = Random(47);
-    turns.extend((0..4).map(|_| random.vector() * 2.0));
+    turns.extend((0..12).map(|_| random.vector() * 2.0));
     for turn in turns {
         let turn = rotation_by(&turn);
         let [length, width, height] = BRICK;
