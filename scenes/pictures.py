@@ -32,7 +32,7 @@ PANELS = {
     "two-hands": ([("right hand alone", 1150, "one hand"), ("both hands", 1150, "both hands")], (12, -80)),
     "vessel-probe": ([("vessel", 10, "before"), ("vessel", 1350, "probed")], (12, -70)),
     "stack": ([("tower", 2000, "ten alike"), ("heavy on light", 2000, "the second 100 times as heavy")], (10, -70)),
-    "dominoes": ([("row", 250, "0.25 s"), ("row", 1600, "at rest")], (14, -75)),
+    "dominoes": ([("row", 250, "0.25 s"), ("row", 1200, "after 1.2 s")], (14, -75)),
     "wall": ([("wall", 500, "at rest")], (14, -60)),
     "tele-touch": ([("both near", 1000, "both press, near"), ("20 ms away", 1000, "both press, 20 ms away")], (16, -70)),
 }
