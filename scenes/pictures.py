@@ -98,6 +98,9 @@ def draw(palpate, recordings, name):
             everything.append(points[np.unique(faces)])
             colour = SKIN.get(body, "#d98e4a")
             part = Poly3DCollection(points[faces], facecolors=shaded(points, faces, colour), edgecolors="none", linewidths=0, antialiased=False, alpha=0.55 if body == "bowl" else 1.0)
+            if body == "floor":
+                # Behind all that stands on it.
+                part.set_sort_zpos(-10.0)
             axes.add_collection3d(part)
         everything = np.concatenate(everything) * 1.0
         low, high = everything.min(0), everything.max(0) + 1e-9
