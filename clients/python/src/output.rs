@@ -167,8 +167,8 @@ impl Output {
 
     /// Why the forces are what they are, after `step(…, explain=True)`, else None: a dictionary with `rows`
     /// (`gap_m`, `gap_free_m`, `compliance_m_per_n` by party and in sum, `force_n`, `residual_m`), `bodies`
-    /// (`residual_n`: what the step leaves of its own equation) and `tools`. Of one row alone, -`gap_free_m`
-    /// over the compliance is the force.
+    /// (`residual_n`: what the step leaves of its own equation), `solve` (`direct_steps`, `left`) and `tools`. Of one row alone,
+    /// -`gap_free_m` over the compliance is the force.
     #[getter]
     fn explain<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         let Some(explanation) = &self.explanation else {
