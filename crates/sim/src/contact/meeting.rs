@@ -194,7 +194,8 @@ impl Meeting<'_> {
             let away = |k: usize| (old[k].0 - contact.on_body).norm();
             let nearest = (0..count).min_by(|&a, &b| away(a).total_cmp(&away(b)));
             let nearest = nearest.filter(|&k| away(k) < self.same_m);
-            let jumps = nearest.is_some_and(|k| away(k) > self.margin_m);
+            let lies = self.lies.is_some();
+            let jumps = lies && nearest.is_some_and(|k| away(k) > self.margin_m);
             let known = nearest.and_then(|k| {
                 count -= 1;
                 old.swap(k, count);

@@ -18,11 +18,12 @@ use palpate_geometry::math::{Matrix3, Vector3};
 
 /// Most unknowns of a step: its work grows with their cube.
 const MOST: usize = 432;
-/// Steps of a solve, and of one with many unknowns.
+/// Most steps of a solve.
 const STEPS: usize = 40;
-const STEPS_OF_MANY: usize = 12;
-/// Many.
-const MANY: usize = 160;
+/// Most steps where there are more unknowns than `CHEAP`.
+const DEAR_STEPS: usize = 12;
+/// Up to this many unknowns a step takes little of a tick.
+const CHEAP: usize = 160;
 /// How often a step that makes nothing better is halved.
 const HALVED: usize = 3;
 /// A pivot smaller than this, relative to its column, is rounding.
@@ -202,7 +203,7 @@ impl Direct {
         for step in 0..STEPS {
             let first = lies && step == 0;
             let size = self.choose(problem, coupled, change, first)?;
-            if size > MANY && step >= STEPS_OF_MANY {
+            if size > CHEAP && step >= DEAR_STEPS {
                 break;
             }
             self.before.clear();
@@ -533,3 +534,6 @@ fn eliminate(rows: &mut [f64], ends: &mut [usize], scales: &mut [f64]) -> bool {
     }
     (0..size).all(|k| rows[k * width + size].is_finite())
 }
+
+#[cfg(test)]
+mod tests;

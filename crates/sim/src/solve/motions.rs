@@ -5,9 +5,6 @@
 
 use palpate_geometry::math::{Matrix3, Vector3};
 
-/// A motion (m, then rad) or a load (N, then N·m).
-pub type Six = [Vector3; 2];
-
 /// Where a row acts on a body.
 #[derive(Clone, Copy, Debug)]
 pub struct Lever {
@@ -20,18 +17,7 @@ pub struct Lever {
 }
 
 impl Lever {
-    /// J (x, θ).
-    pub fn moved(&self, [along, about]: &Six) -> Vector3 {
-        (along + about.cross(&self.arm)) * self.sign
-    }
-
-    /// Jᵀ f.
-    pub fn load(&self, force: &Vector3) -> Six {
-        let pushed = force * self.sign;
-        [pushed, self.arm.cross(&pushed)]
-    }
-
-    /// J: of x, then of θ.
+    /// J: what multiplies x, then what multiplies θ.
     pub fn blocks(&self) -> [Matrix3; 2] {
         let turned = self.arm.cross_matrix() * -self.sign;
         [Matrix3::from_diagonal_element(self.sign), turned]
@@ -63,7 +49,7 @@ impl Motions {
         self.levers.resize(rows, [None; 2]);
     }
 
-    /// Adds a body, and answers with its number.
+    /// Adds a body, m / dt² (N/m) and I / dt² (N·m/rad), and answers with its number.
     pub fn add_body(&mut self, inertia: (f64, Matrix3)) -> usize {
         self.inertias.push(inertia);
         self.inertias.len() - 1

@@ -355,7 +355,7 @@ impl DeformingView<'_> {
         out: &mut Vec<SampleInTouch>,
     ) -> usize {
         let mut every = thinned.max(1);
-        // What a coarser grid has, a finer one may have left out: it begins anew.
+        // Every third sample is not among every second: each grid is collected from the start.
         while !self.collect(&mut approach, every, &meets, &mut look, out) {
             every += 1;
         }

@@ -200,7 +200,7 @@ fn a_puck_that_slides_and_spins_slides_straight_and_stops_both_at_once() {
             i32::abs(slid - spun) <= 2 && f64::from(slid) < longest,
             "{stopped:?}, {longest}"
         );
-        // Nine points are no disc.
+        // Nine points stand for the disc, so its way is not exactly straight.
         assert!(
             centre.y.abs() < 0.02 * centre.x,
             "it turned aside: {centre}"
