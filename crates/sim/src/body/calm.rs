@@ -3,7 +3,7 @@
 use palpate_geometry::math::{Point3, Vector3};
 
 /// Steps in a row without motion after which a body sleeps.
-pub(super) const STILL_STEPS: u32 = 100;
+pub(crate) const STILL_STEPS: u32 = 100;
 
 /// No node may be faster, in speeds below which a body that nothing touches sleeps: what is, is seen.
 const TREMBLE: f64 = 1e5;
@@ -11,6 +11,9 @@ const TREMBLE: f64 = 1e5;
 /// A body stays where it is if it is nowhere, on average, farther away after a hundred steps than this
 /// many times that speed would carry it.
 const DRIFT: f64 = 300.0;
+
+/// Of the weight of a body that lies on others: how far its contact forces may be from bearing it.
+pub(crate) const BORNE: f64 = 5e-3;
 
 /// Steps of calm after which a body is left alone with whatever forces it has.
 const LONG: u32 = 10 * STILL_STEPS;
@@ -25,7 +28,7 @@ pub(super) struct Outline {
 
 /// Centre, and what becomes of the axes of the rest state, with the length of the mean distance from
 /// the centre, m.
-type Moments = [Vector3; 4];
+pub(crate) type Moments = [Vector3; 4];
 
 impl Outline {
     /// The outline of nodes at rest.
@@ -40,7 +43,7 @@ impl Outline {
         }
     }
 
-    fn moments(&self, rest: &[Point3], positions: &[Point3]) -> Moments {
+    pub(super) fn moments(&self, rest: &[Point3], positions: &[Point3]) -> Moments {
         debug_assert_eq!(rest.len(), positions.len(), "a place a coordinate");
         let mut moments = [Vector3::zeros(); 4];
         for (r, x) in rest.iter().zip(positions) {
@@ -59,7 +62,7 @@ impl Outline {
 }
 
 /// Since when a body stays where it is.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Calm {
     /// Where it was at the first of these steps: centre and axes, m.
     pub from: Moments,
@@ -73,14 +76,12 @@ impl Calm {
         self.steps >= LONG
     }
 
-    /// Counts a step at whose end the body is here. `sleep_m_s` is the speed below which one sleeps that
-    /// nothing touches; `fastest` is the speed of the fastest node, m/s; `balanced`: what bears the body
+    /// Counts a step at whose end the body is `here`. `sleep_m_s` is the speed below which one sleeps that
+    /// nothing touches; `fastest` is the speed of its fastest point, m/s; `balanced`: what bears the body
     /// bears its weight in this step, so that it may be left alone with these forces.
-    pub(super) fn count(
+    pub(crate) fn count(
         &mut self,
-        outline: &Outline,
-        rest: &[Point3],
-        positions: &[Point3],
+        here: impl FnOnce() -> Moments,
         fastest: f64,
         balanced: bool,
         sleep_m_s: f64,
@@ -90,16 +91,16 @@ impl Calm {
             self.steps = 0;
             return;
         }
-        let now = outline.moments(rest, positions);
+        let here = here();
         let most = DRIFT * sleep_m_s * f64::from(STILL_STEPS) * dt_s;
         let stays = |(a, b): (&Vector3, &Vector3)| (a - b).norm() <= most;
-        if self.steps > 0 && self.from.iter().zip(&now).all(stays) {
+        if self.steps > 0 && self.from.iter().zip(&here).all(stays) {
             self.steps = match balanced && self.steps + 1 >= STILL_STEPS {
                 true => LONG,
                 false => (self.steps + 1).min(LONG),
             };
         } else {
-            (self.from, self.steps) = (now, 1);
+            (self.from, self.steps) = (here, 1);
         }
     }
 }
@@ -134,7 +135,13 @@ mod tests {
         for k in 0..steps {
             let t = f64::from(k) * 1e-3;
             let now: Vec<_> = (0..rest.len()).map(|i| motion(t, &rest[i], i)).collect();
-            calm.count(&outline, &rest, &now, fastest, balanced, 1e-7, 1e-3);
+            calm.count(
+                || outline.moments(&rest, &now),
+                fastest,
+                balanced,
+                1e-7,
+                1e-3,
+            );
         }
         calm.steps
     }

@@ -8,7 +8,7 @@
 //! A body knows coordinates, not tools: contact hands it forces on control points.
 
 mod before;
-mod calm;
+pub(crate) mod calm;
 mod caution;
 mod cells;
 mod core;

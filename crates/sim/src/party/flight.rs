@@ -1,15 +1,11 @@
 //! How a free rigid body moves, and what it gives way.
 
+use crate::body::calm::{BORNE, Calm};
 use crate::scene::{Free, Mass};
 use crate::solve::rows::Row;
 use palpate_geometry::math::{Matrix3, Point3, Rotation, Vector3};
 use palpate_geometry::stateful;
 
-/// Ticks after which a body that is slow is at rest.
-const CALM_TICKS: u32 = 100;
-/// Slow is slower than so many times `sleep_m_s`: as for deforming bodies that lie on others, whose contact
-/// points tremble.
-const TREMBLES: f64 = 300.0;
 /// How a free rigid body moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Flight {
@@ -17,8 +13,8 @@ pub struct Flight {
     pub velocity_m_s: Vector3,
     /// Angular momentum about its centre of mass, kg·m²/s; in the world.
     pub momentum: Vector3,
-    /// Ticks for which it has been slow, up to [`CALM_TICKS`].
-    slow_ticks: u32,
+    /// Since when it stays where it is.
+    calm: Calm,
     /// It lies at rest and neither moves nor is looked at.
     left_alone: bool,
 }
@@ -27,15 +23,11 @@ stateful!(Flight, |this, walk| {
     let Flight {
         velocity_m_s,
         momentum,
-        slow_ticks,
+        calm: Calm { from, steps },
         left_alone,
     } = this;
-    walk.packed("rest of a free body", [(0, slow_ticks), (32, left_alone)])?;
-    walk.ensure(
-        *slow_ticks <= CALM_TICKS,
-        "slow ticks",
-        u64::from(*slow_ticks),
-    )?;
+    walk.packed("rest of a free body", [(0, steps), (32, left_alone)])?;
+    walk.triples(from)?;
     walk.vector(velocity_m_s)?;
     walk.vector(momentum)
 });
@@ -52,7 +44,7 @@ impl Flight {
 
     /// It has been at rest for a while.
     pub(crate) fn lies_calm(&self) -> bool {
-        self.slow_ticks >= CALM_TICKS
+        self.calm.is_long()
     }
 
     /// It lies at rest and neither moves nor is looked at.
@@ -62,18 +54,12 @@ impl Flight {
 
     /// Leaves it alone, at rest, or takes it up again.
     pub(crate) fn leave_alone(&mut self, left_alone: bool) {
-        *self = match left_alone {
-            true => Self {
-                slow_ticks: CALM_TICKS,
-                left_alone,
-                ..Self::default()
-            },
-            false => Self {
-                slow_ticks: 0,
-                left_alone,
-                ..*self
-            },
-        };
+        self.left_alone = left_alone;
+        if left_alone {
+            (self.velocity_m_s, self.momentum) = Default::default();
+        } else {
+            self.calm.steps = 0;
+        }
     }
 
     /// Where the body is after a tick, and how it moves then, under a force (N) and a moment about its
@@ -89,23 +75,30 @@ impl Flight {
         let mass = &free.mass;
         let velocity_m_s = self.velocity_m_s + (gravity + force_n / mass.mass_kg) * dt_s;
         let momentum = self.momentum + moment_nm * dt_s;
-        let rim_m_s = mass.spin(rotation, &momentum).norm() * mass.reach_m;
-        let slow = velocity_m_s.norm() + rim_m_s < TREMBLES * free.sleep_m_s;
+        let spin_rad_s = mass.spin(rotation, &momentum);
+        let place = position + velocity_m_s * dt_s;
+        let turned = mass.turned(rotation, &momentum, dt_s);
+        let gained = (velocity_m_s - self.velocity_m_s).norm()
+            + (spin_rad_s - mass.spin(rotation, &self.momentum)).norm() * mass.reach_m;
+        let mut calm = self.calm;
+        calm.count(
+            || {
+                let axes = turned.to_rotation_matrix().into_inner() * mass.reach_m;
+                let axis = |k| axes.column(k).into_owned();
+                [place.coords, axis(0), axis(1), axis(2)]
+            },
+            velocity_m_s.norm() + spin_rad_s.norm() * mass.reach_m,
+            gained <= BORNE * gravity.norm() * dt_s,
+            free.sleep_m_s,
+            dt_s,
+        );
         let next = Self {
             velocity_m_s,
             momentum,
-            slow_ticks: if slow {
-                (self.slow_ticks + 1).min(CALM_TICKS)
-            } else {
-                0
-            },
+            calm,
             left_alone: false,
         };
-        (
-            position + velocity_m_s * dt_s,
-            mass.turned(rotation, &momentum, dt_s),
-            next,
-        )
+        (place, turned, next)
     }
 }
 

@@ -48,6 +48,14 @@ fn puck(id: &str, [radius_m, height_m]: [f64; 2], z: f64, density: f64, more: &s
 
 const FLOOR: &str = "[[body]]\nid = \"floor\"\nsurface = { builtin = \"sheet\", size = 2.0 }\n";
 
+/// A puck of 200 kPa whose lower face is at a height.
+fn soft_puck(id: &str, z: f64) -> String {
+    let soft = "young_pa = 200e3, poisson = 0.3, density_kg_m3 = 1000.0, damping_s = 2e-3";
+    puck(id, PUCK, z, 1000.0, "model = \"continuum\"\n")
+        .replace("free = true\n", "")
+        .replace("density_kg_m3 = 1000.0", soft)
+}
+
 fn rub(a: &str, b: &str, mu: f64) -> String {
     format!("[[contact]]\npair = [\"{a}\", \"{b}\"]\nfriction = {{ mu = {mu:?} }}\n")
 }
@@ -266,6 +274,30 @@ fn a_plate_is_carried_by_two_balls() {
     assert!(plate.centre.coords.xy().norm() < 2e-5 && tilt(&world, 1) < 1e-3);
 }
 
+/// They sleep by one rule, whatever they are made of, and bear each other's weight then.
+#[test]
+fn a_rigid_puck_between_soft_ones_rests_with_them() {
+    let mut text = soft_puck("s0", 2e-5)
+        + &puck("r", PUCK, 0.02004, 1000.0, "")
+        + &soft_puck("s1", 0.04006)
+        + &rub("s0", "floor", 0.3);
+    text += &(rub("s0", "r", 0.3) + &rub("r", "s1", 0.3));
+    let mut world = world(0.0, &text);
+    let ticks = (0..1_000).find(|_| {
+        world.at_in_place(FAR);
+        (1..=3).all(|b| world.state.is_left_alone(b))
+    });
+    let middle = motion(&world, 2);
+    println!(
+        "asleep after {ticks:?} ticks; the middle at {}",
+        middle.centre
+    );
+    assert!(ticks.is_some(), "they never rest");
+    assert!(middle.centre.coords.xy().norm() < 2e-6, "{}", middle.centre);
+    assert!(tilt(&world, 2) < 1e-3, "{}", tilt(&world, 2));
+    assert_eq!(middle.velocity_m_s.norm(), 0.0);
+}
+
 #[test]
 fn a_stack_of_pucks_rests() {
     for count in [1, 2, 5, 10] {
@@ -395,10 +427,7 @@ fn a_soft_puck_rests_on_a_slope_below_the_angle_of_friction_and_slides_above_it(
     let mu = 0.3;
     for share in [0.5, 0.95, 1.1] {
         let slope = libm::atan(share * mu);
-        let soft = "young_pa = 200e3, poisson = 0.3, density_kg_m3 = 1000.0, damping_s = 2e-3";
-        let soft = puck("p", PUCK, 2e-5, 1000.0, "model = \"continuum\"\n")
-            .replace("free = true\n", "")
-            .replace("density_kg_m3 = 1000.0", soft);
+        let soft = soft_puck("p", 2e-5);
         let mut world = world(slope, &format!("{soft}{}", rub("p", "floor", mu)));
         let net = |world: &World| {
             let mut points = world.scene.rest_surface(1).net().points().to_vec();

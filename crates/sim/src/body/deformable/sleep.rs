@@ -1,15 +1,12 @@
 //! When a body falls asleep.
 
 use super::Deformable;
-use crate::body::calm::STILL_STEPS;
+use crate::body::calm::{BORNE, STILL_STEPS};
 use crate::body::matter::Matter;
 use crate::body::scratch::DeformableScratch;
 use crate::body::state::DeformableState;
 use crate::body::stepper::Stepper;
 use palpate_geometry::math::Vector3;
-
-/// Of the weight of a body that lies on others: how far its contact forces may be from bearing it.
-const BORNE: f64 = 5e-3;
 
 impl Deformable {
     /// What moves no more for a while falls asleep; it wakes by a touch.
@@ -35,16 +32,8 @@ impl Deformable {
         } else {
             let Matter { rest, settings, .. } = &self.matter;
             let (sleep_m_s, dt_s) = (settings.sleep_m_s, settings.dt_s);
-            let (positions, fastest) = (&state.positions, fastest.sqrt());
-            (state.calm).count(
-                &self.outline,
-                rest,
-                positions,
-                fastest,
-                balanced,
-                sleep_m_s,
-                dt_s,
-            );
+            let here = || self.outline.moments(rest, &state.positions);
+            (state.calm).count(here, fastest.sqrt(), balanced, sleep_m_s, dt_s);
         }
         if state.still == STILL_STEPS {
             state.velocities.fill(Vector3::zeros());
