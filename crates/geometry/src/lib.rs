@@ -14,4 +14,5 @@ pub mod basis;
 pub mod contact;
 pub mod exchange;
 pub mod math;
+pub mod part;
 pub mod surface;
