@@ -3,7 +3,7 @@
 
 use crate::math::{Point3, Vector3};
 use crate::surface::Surface;
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Where an elementary surface or curve lies: an origin and three unit vectors, right-handed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -142,5 +142,189 @@ pub(super) fn closed(surface: &Surface) -> [bool; 2] {
             || steps().all(|s| same((u0, v0 + s * (v1 - v0)), (u1, v0 + s * (v1 - v0)))),
         v.is_periodic()
             || steps().all(|s| same((u0 + s * (u1 - u0), v0), (u0 + s * (u1 - u0), v1))),
+    ]
+}
+
+impl Carrier {
+    /// What an elementary surface is laid along; `None` for B-splines.
+    pub(super) fn axes(&self) -> Option<&Axes> {
+        match self {
+            Self::Plane(axes)
+            | Self::Cylinder { axes, .. }
+            | Self::Cone { axes, .. }
+            | Self::Sphere { axes, .. }
+            | Self::Torus { axes, .. } => Some(axes),
+            Self::Spline(_) => None,
+        }
+    }
+
+    /// S(u, v), m.
+    pub fn point(&self, [u, v]: [f64; 2]) -> Point3 {
+        let (sin, cos) = libm::sincos(u);
+        let round = |axes: &Axes, r: f64, z: f64| axes.to_world(&Vector3::new(r * cos, r * sin, z));
+        match self {
+            Self::Plane(axes) => axes.to_world(&Vector3::new(u, v, 0.0)),
+            Self::Cylinder { axes, radius_m } => round(axes, *radius_m, v),
+            Self::Cone {
+                axes,
+                half_angle_rad,
+            } => round(axes, v * libm::tan(*half_angle_rad), v),
+            Self::Sphere { axes, radius_m } => {
+                let (up, out) = libm::sincos(v);
+                round(axes, radius_m * out, radius_m * up)
+            }
+            Self::Torus {
+                axes,
+                major_m,
+                minor_m,
+            } => {
+                let (up, out) = libm::sincos(v);
+                round(axes, major_m + minor_m * out, minor_m * up)
+            }
+            Self::Spline(surface) => surface.point(u, v),
+        }
+    }
+
+    /// Unit normal of the carrier at (u, v).
+    pub fn normal(&self, [u, v]: [f64; 2]) -> Vector3 {
+        let (sin, cos) = libm::sincos(u);
+        let round = |axes: &Axes, out: f64, up: f64| {
+            axes.direction(&Vector3::new(out * cos, out * sin, up))
+        };
+        match self {
+            Self::Plane(axes) => axes.z,
+            Self::Cylinder { axes, .. } => round(axes, 1.0, 0.0),
+            Self::Cone {
+                axes,
+                half_angle_rad,
+            } => {
+                let (sin, cos) = libm::sincos(*half_angle_rad);
+                round(axes, cos, -sin)
+            }
+            Self::Sphere { axes, .. } | Self::Torus { axes, .. } => {
+                let (up, out) = libm::sincos(v);
+                round(axes, out, up)
+            }
+            Self::Spline(surface) => {
+                let normal = surface.normal(u, v);
+                if surface.flip_normal() {
+                    -normal
+                } else {
+                    normal
+                }
+            }
+        }
+    }
+
+    /// The foot of a point on an elementary surface: the only minimum of the distance, except on an axis or at a centre,
+    /// where it is one of equal ones. `None` for B-splines, and where the nearest point of a cone is its apex or that of a
+    /// self-crossing torus on its axis.
+    pub fn foot(&self, point: &Point3) -> Option<[f64; 2]> {
+        let local = self.axes()?.to_local(point);
+        let rho = libm::hypot(local.x, local.y);
+        let u = || libm::atan2(local.y, local.x);
+        match self {
+            Self::Plane(_) => Some([local.x, local.y]),
+            Self::Cylinder { .. } => Some([u(), local.z]),
+            Self::Cone { half_angle_rad, .. } => {
+                let (sin, cos) = libm::sincos(*half_angle_rad);
+                let v = (rho * sin + local.z * cos) * cos;
+                (v >= 0.0).then(|| [u(), v])
+            }
+            Self::Sphere { .. } => Some([u(), libm::atan2(local.z, rho)]),
+            Self::Torus {
+                major_m, minor_m, ..
+            } => {
+                let v = libm::atan2(local.z, rho - major_m);
+                (major_m + minor_m * libm::cos(v) >= 0.0).then(|| [u(), v])
+            }
+            Self::Spline(_) => None,
+        }
+    }
+}
+
+impl Carrier {
+    /// Parameters of a B-spline within its domain, as near as they can be; others as they are.
+    pub(super) fn confined(&self, [u, v]: [f64; 2]) -> [f64; 2] {
+        let Self::Spline(surface) = self else {
+            return [u, v];
+        };
+        let periods = self.periods();
+        let within = |x: f64, (low, high): (f64, f64), period: f64| match period {
+            0.0 => x.clamp(low, high),
+            _ if (low..=high).contains(&x) => x,
+            _ => low + super::chart::wrap(x - low, period),
+        };
+        [
+            within(u, surface.knots_u().domain(), periods[0]),
+            within(v, surface.knots_v().domain(), periods[1]),
+        ]
+    }
+
+    /// Corners of a box around a rectangle of parameters, m.
+    pub(super) fn bounds(&self, extent: &[[f64; 2]; 2]) -> (Point3, Point3) {
+        let [u, v] = extent;
+        let ends = |f: &dyn Fn(f64) -> f64| [f(v[0]).min(f(v[1])), f(v[0]).max(f(v[1]))];
+        let (axes, radius, height) = match self {
+            Self::Plane(axes) => {
+                let corner = |k: usize, l: usize| axes.to_world(&Vector3::new(u[k], v[l], 0.0));
+                let all = [corner(0, 0), corner(0, 1), corner(1, 0), corner(1, 1)];
+                return all
+                    .iter()
+                    .fold((all[0], all[0]), |(l, h), p| (l.inf(p), h.sup(p)));
+            }
+            Self::Cylinder { axes, radius_m } => (axes, [*radius_m; 2], *v),
+            Self::Cone {
+                axes,
+                half_angle_rad,
+            } => {
+                let slope = libm::tan(*half_angle_rad);
+                (axes, ends(&|v| v * slope), *v)
+            }
+            Self::Sphere { axes, radius_m } => (
+                axes,
+                waves(*v, 0.0).map(|c| radius_m * c.max(0.0)),
+                waves(*v, FRAC_PI_2).map(|s| radius_m * s),
+            ),
+            Self::Torus {
+                axes,
+                major_m,
+                minor_m,
+            } => (
+                axes,
+                waves(*v, 0.0).map(|c| (major_m + minor_m * c).max(0.0)),
+                waves(*v, FRAC_PI_2).map(|s| minor_m * s),
+            ),
+            Self::Spline(surface) => {
+                let points = surface.net().points();
+                return points
+                    .iter()
+                    .fold((points[0], points[0]), |(l, h), p| (l.inf(p), h.sup(p)));
+            }
+        };
+        let (mut low, mut high) = (axes.origin, axes.origin);
+        for k in 0..3 {
+            let swing = libm::hypot(axes.x[k], axes.y[k]);
+            let round = waves(*u, libm::atan2(axes.y[k], axes.x[k])).map(|c| c * swing);
+            let mut all = [0.0; 8];
+            for (n, x) in all.iter_mut().enumerate() {
+                *x = radius[n & 1] * round[(n >> 1) & 1] + height[n >> 2] * axes.z[k];
+            }
+            low[k] += all.iter().copied().fold(f64::INFINITY, f64::min);
+            high[k] += all.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        }
+        (low, high)
+    }
+}
+
+/// The least and the greatest cosine of an angle less a phase, over a range of angles.
+fn waves([from, to]: [f64; 2], phase: f64) -> [f64; 2] {
+    let (a, b) = (from - phase, to - phase);
+    // Whether a multiple of 2π, shifted, lies between.
+    let reaches = |shift: f64| ((b - shift) / TAU).floor() >= ((a - shift) / TAU).ceil();
+    let (ca, cb) = (libm::cos(a), libm::cos(b));
+    [
+        if reaches(TAU / 2.0) { -1.0 } else { ca.min(cb) },
+        if reaches(0.0) { 1.0 } else { ca.max(cb) },
     ]
 }

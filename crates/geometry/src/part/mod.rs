@@ -4,8 +4,21 @@
 //! Brep (as in the file) ──▶ Part: edges with their gaps, loops in (u, v), tree ──▶ closest point, sign, area, volume, triangles
 //! ```
 
+mod bezier;
 mod brep;
 mod carrier;
+mod chart;
+mod closest;
+mod curve;
+#[expect(clippy::module_inception)]
+mod part;
+mod pcurve;
+mod tree;
+mod trim;
 
 pub use brep::{Brep, BrepBound, BrepCurve, BrepEdge, BrepFace, BrepShell, OutOfRange, Placing};
 pub use carrier::{Axes, Carrier};
+pub use closest::{PartFoot, PartSolver, Support};
+pub use curve::CurveProblem;
+pub use part::{FaceInfo, Part, PartError};
+pub use trim::TrimProblem;

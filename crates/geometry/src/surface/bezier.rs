@@ -172,7 +172,7 @@ impl PieceDirection {
 
 /// Extraction matrix of span `i` over an interval: row k blossoms each basis function at
 /// `degree − k` times its start and k times its end.
-pub(super) fn extraction(t: &[f64], p: usize, i: usize, [start, end]: [f64; 2]) -> Vec<f64> {
+pub(crate) fn extraction(t: &[f64], p: usize, i: usize, [start, end]: [f64; 2]) -> Vec<f64> {
     let n = p + 1;
     let mut out = vec![0.0; n * n];
     for k in 0..n {

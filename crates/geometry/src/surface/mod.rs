@@ -44,6 +44,7 @@ mod topology;
 #[cfg(test)]
 pub(crate) mod testing;
 
+pub(crate) use bezier::extraction;
 pub use bezier::{BezierPieces, Bounds};
 pub use builtin::{BuiltinError, builtin};
 pub use closed::{DistinctPoints, SAME_POINT};

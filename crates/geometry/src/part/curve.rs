@@ -1,0 +1,528 @@
+//! Edges in space: pieces of curves as chains of rational Bézier segments, and their closest points.
+
+use super::bezier::{self, Homogeneous, MOST_DEGREE};
+use super::brep::BrepCurve;
+use super::carrier::Axes;
+use crate::math::{Point3, Vector3};
+use crate::surface::{Curve, extraction};
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+/// A piece of a curve, from its first vertex to its last.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct EdgeCurve {
+    degree: usize,
+    /// (segments × (degree + 1)).
+    points: Vec<Homogeneous>,
+    shape: Shape,
+}
+
+/// What has a closest point in closed form.
+#[derive(Clone, Debug, PartialEq)]
+enum Shape {
+    Line,
+    /// From x of the axes, by a positive angle (rad).
+    Circle(Axes, f64, f64),
+    Free,
+}
+
+/// The closest point of an edge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct OnCurve {
+    /// m.
+    pub point: Point3,
+    /// Segment and parameter within it.
+    pub at: (usize, f64),
+    /// m².
+    pub squared: f64,
+}
+
+/// Why an edge cannot be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum CurveProblem {
+    /// Of a B-spline.
+    #[error("its curve has degree {0}; at most {MOST_DEGREE} is read")]
+    Degree(usize),
+    /// Two vertices at one place of an open curve.
+    #[error("both its ends are at one place of a curve that is not closed")]
+    Empty,
+}
+
+impl EdgeCurve {
+    /// The piece of a curve between two vertices. Whole turns where both are one.
+    pub fn new(
+        curve: &BrepCurve,
+        along: bool,
+        ends: [&Point3; 2],
+        closed: bool,
+    ) -> Result<Self, CurveProblem> {
+        let [first, last] = ends;
+        match curve {
+            BrepCurve::Line { origin, direction } => {
+                let on = |p: &Point3| origin + direction * direction.dot(&(p - origin));
+                let (a, b) = (on(first), on(last));
+                if a == b {
+                    return Err(CurveProblem::Empty);
+                }
+                Ok(Self::chain(
+                    1,
+                    vec![weighted(&a, 1.0), weighted(&b, 1.0)],
+                    Shape::Line,
+                ))
+            }
+            BrepCurve::Circle { axes, radius_m } => {
+                let round = turned(axes, along);
+                let angle = |p: &Point3| {
+                    let local = round.to_local(p);
+                    libm::atan2(local.y, local.x)
+                };
+                let from = angle(first);
+                let sweep = sweep(
+                    from,
+                    angle(last),
+                    closed || (first - last).norm() <= 1e-9 * radius_m,
+                );
+                let start = Axes {
+                    x: round.direction(&Vector3::new(libm::cos(from), libm::sin(from), 0.0)),
+                    y: round.direction(&Vector3::new(-libm::sin(from), libm::cos(from), 0.0)),
+                    ..round
+                };
+                let points = arc(&start, [*radius_m; 2], 0.0, sweep);
+                Ok(Self::chain(
+                    2,
+                    points,
+                    Shape::Circle(start, *radius_m, sweep),
+                ))
+            }
+            BrepCurve::Ellipse { axes, radii_m } => {
+                let round = turned(axes, along);
+                let [a, b] = *radii_m;
+                let angle = |p: &Point3| {
+                    let local = round.to_local(p);
+                    libm::atan2(local.y / b, local.x / a)
+                };
+                let from = angle(first);
+                let near = closed || (first - last).norm() <= 1e-9 * a.max(b);
+                let points = arc(&round, [a, b], from, sweep(from, angle(last), near));
+                Ok(Self::chain(2, points, Shape::Free))
+            }
+            BrepCurve::Hyperbola { axes, radii_m } => {
+                let [a, b] = *radii_m;
+                let t = |p: &Point3| libm::asinh(axes.to_local(p).y / b);
+                let at = |t: f64| Vector3::new(a * libm::cosh(t), b * libm::sinh(t), 0.0);
+                conic(
+                    axes,
+                    [t(first), t(last)],
+                    at,
+                    |t| Vector3::new(a * libm::sinh(t), b * libm::cosh(t), 0.0),
+                    |d| libm::cosh(0.5 * d),
+                )
+            }
+            BrepCurve::Parabola { axes, focal_m } => {
+                let f = *focal_m;
+                let t = |p: &Point3| axes.to_local(p).y / (2.0 * f);
+                let at = |t: f64| Vector3::new(f * t * t, 2.0 * f * t, 0.0);
+                conic(
+                    axes,
+                    [t(first), t(last)],
+                    at,
+                    |t| Vector3::new(2.0 * f * t, 2.0 * f, 0.0),
+                    |_| 1.0,
+                )
+            }
+            BrepCurve::Spline(curve) => Self::of_spline(curve, along, ends, closed),
+        }
+    }
+
+    fn chain(degree: usize, points: Vec<Homogeneous>, shape: Shape) -> Self {
+        Self {
+            degree,
+            points,
+            shape,
+        }
+    }
+
+    /// The part of a B-spline between two vertices; past the ends of a closed one where it must.
+    fn of_spline(
+        curve: &Curve,
+        along: bool,
+        [first, last]: [&Point3; 2],
+        closed: bool,
+    ) -> Result<Self, CurveProblem> {
+        let (degree, mut points) = segments(curve)?;
+        if !along {
+            points.reverse();
+        }
+        let whole = Self::chain(degree, points, Shape::Free);
+        let count = whole.segments();
+        let (start, end) = (whole.point((0, 0.0)), whole.point((count - 1, 1.0)));
+        let size = whole
+            .points
+            .iter()
+            .map(|h| (bezier::projected(h) - start).norm())
+            .fold(0.0, f64::max);
+        let shut = (start - end).norm() <= 1e-7 * size;
+        let place = |p: &Point3, at_end: bool| {
+            let found = whole.closest(p, f64::INFINITY).map_or((0, 0.0), |on| on.at);
+            let t = found.0 as f64 + found.1;
+            let full = count as f64;
+            // Both ends of a closed curve are one place.
+            let edge = 1e-9 * full;
+            match shut && (t <= edge || t >= full - edge) {
+                true if at_end => full,
+                true => 0.0,
+                false => t,
+            }
+        };
+        let (mut a, mut b) = (place(first, false), place(last, true));
+        let full = count as f64;
+        if closed {
+            b = a + full;
+        } else if b <= a && shut {
+            b += full;
+        } else if b < a {
+            // The file's sense is the wrong one: an open curve has one piece between two points.
+            let mut points = whole.points.clone();
+            points.reverse();
+            let back = Self::chain(degree, points, Shape::Free);
+            (a, b) = (full - a, full - b);
+            return back.part(a, b);
+        }
+        whole.part(a, b)
+    }
+
+    /// Between two parameters that count segments; beyond the last one it begins anew.
+    fn part(&self, a: f64, b: f64) -> Result<Self, CurveProblem> {
+        let count = self.segments();
+        let mut points = Vec::new();
+        let mut k = a.floor();
+        while k < b {
+            let within = [(a - k).clamp(0.0, 1.0), (b - k).clamp(0.0, 1.0)];
+            if within[1] - within[0] > 1e-12 {
+                let segment = self.segment(k as usize % count);
+                points.extend(bezier::between(segment, within));
+            }
+            k += 1.0;
+        }
+        match points.is_empty() {
+            true => Err(CurveProblem::Empty),
+            false => Ok(Self::chain(self.degree, points, Shape::Free)),
+        }
+    }
+
+    pub fn segments(&self) -> usize {
+        self.points.len() / (self.degree + 1)
+    }
+
+    pub fn segment(&self, k: usize) -> &[Homogeneous] {
+        let n = self.degree + 1;
+        &self.points[k * n..(k + 1) * n]
+    }
+
+    pub fn is_line(&self) -> bool {
+        self.shape == Shape::Line
+    }
+
+    pub fn point(&self, (segment, t): (usize, f64)) -> Point3 {
+        bezier::point(self.segment(segment), t)
+    }
+
+    /// Derivative, not of unit length.
+    pub fn slope(&self, (segment, t): (usize, f64)) -> Vector3 {
+        bezier::slope(self.segment(segment), t)
+    }
+
+    /// Unit tangent at the first point, or at the last one.
+    pub fn tangent_at_end(&self, last: bool) -> Vector3 {
+        let inward = |t: f64| match last {
+            true => (self.segments() - 1, 1.0 - t),
+            false => (0, t),
+        };
+        let at = |t: f64| self.slope(inward(t)).try_normalize(f64::MIN_POSITIVE);
+        at(0.0).or_else(|| at(1e-6)).unwrap_or_else(Vector3::x)
+    }
+
+    /// Corners of a box around it.
+    pub fn bounds(&self) -> (Point3, Point3) {
+        let far = Point3::from(Vector3::repeat(f64::INFINITY));
+        self.points.iter().fold((far, -far), |(low, high), h| {
+            let p = bezier::projected(h);
+            (low.inf(&p), high.sup(&p))
+        })
+    }
+
+    /// Places along it, `count` in each segment and its last one.
+    pub fn samples(&self, count: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let last = (self.segments() - 1, 1.0);
+        (0..self.segments())
+            .flat_map(move |k| (0..count).map(move |i| (k, i as f64 / count as f64)))
+            .chain([last])
+    }
+
+    /// The closest point, where one is nearer than the root of `ceiling` (m²).
+    pub fn closest(&self, q: &Point3, ceiling: f64) -> Option<OnCurve> {
+        match &self.shape {
+            Shape::Line => {
+                let (a, b) = (
+                    bezier::projected(&self.points[0]),
+                    bezier::projected(&self.points[1]),
+                );
+                let along = b - a;
+                let t = (along.dot(&(q - a)) / along.norm_squared()).clamp(0.0, 1.0);
+                let point = if t < 1.0 { a + along * t } else { b };
+                on(point, (0, t), q, ceiling)
+            }
+            Shape::Circle(axes, radius, sweep) => {
+                let local = axes.to_local(q);
+                let mut angle = libm::atan2(local.y, local.x);
+                if angle < 0.0 {
+                    angle += TAU;
+                }
+                if angle > *sweep {
+                    angle = if angle - sweep < TAU - angle {
+                        *sweep
+                    } else {
+                        0.0
+                    };
+                }
+                let (sin, cos) = libm::sincos(angle);
+                let point = axes.to_world(&Vector3::new(radius * cos, radius * sin, 0.0));
+                on(
+                    point,
+                    circle_place(angle, *sweep, self.segments()),
+                    q,
+                    ceiling,
+                )
+            }
+            Shape::Free => self.closest_free(q, ceiling),
+        }
+    }
+
+    /// Segments in turn, each by [`closest_of_segment`].
+    fn closest_free(&self, q: &Point3, ceiling: f64) -> Option<OnCurve> {
+        let mut best: Option<OnCurve> = None;
+        for k in 0..self.segments() {
+            let under = best.map_or(ceiling, |b| b.squared);
+            if let Some((t, squared)) = closest_of_segment(self.segment(k), q, under) {
+                best = Some(OnCurve {
+                    point: self.point((k, t)),
+                    at: (k, t),
+                    squared,
+                });
+            }
+        }
+        best
+    }
+
+    /// Whether a place is one of the ends: `Some(true)` for the last.
+    pub fn end(&self, (segment, t): (usize, f64)) -> Option<bool> {
+        if segment == 0 && t <= 0.0 {
+            return Some(false);
+        }
+        (segment + 1 == self.segments() && t >= 1.0).then_some(true)
+    }
+}
+
+fn on(point: Point3, at: (usize, f64), q: &Point3, ceiling: f64) -> Option<OnCurve> {
+    let squared = (q - point).norm_squared();
+    (squared < ceiling).then_some(OnCurve { point, at, squared })
+}
+
+/// Where an angle is in a circle's segments, each of which is the same angle.
+fn circle_place(angle: f64, sweep: f64, count: usize) -> (usize, f64) {
+    if angle >= sweep {
+        return (count - 1, 1.0);
+    }
+    let step = sweep / count as f64;
+    let k = ((angle / step) as usize).min(count - 1);
+    // tan of a quarter of the step and of the angle from the middle: the parameter of a rational quadratic.
+    let half = 0.5 * step;
+    let from_middle = angle - k as f64 * step - half;
+    let t = 0.5 + 0.5 * libm::tan(0.5 * from_middle) / libm::tan(0.5 * half);
+    (k, t.clamp(0.0, 1.0))
+}
+
+/// The nearest place of a segment that is nearer than the root of `ceiling`, and its squared distance.
+///
+/// The derivative of the squared distance is a polynomial over a positive one. Where its Bernstein coefficients change
+/// sign once at most, there is one minimum at most; else the part is halved. Parts whose control points' box is
+/// farther than the best are passed over.
+fn closest_of_segment(points: &[Homogeneous], q: &Point3, ceiling: f64) -> Option<(f64, f64)> {
+    if box_squared(points, q) >= ceiling {
+        return None;
+    }
+    let away = |h: &Homogeneous| [h[0] - q.x * h[3], h[1] - q.y * h[3], h[2] - q.z * h[3]];
+    let coordinates: [Vec<f64>; 3] =
+        std::array::from_fn(|k| points.iter().map(|h| away(h)[k]).collect());
+    let weights: Vec<f64> = points.iter().map(|h| h[3]).collect();
+    let mut turn = vec![
+        0.0;
+        if weights.iter().all(|&w| w == 1.0) {
+            2 * points.len() - 2
+        } else {
+            3 * points.len() - 3
+        }
+    ];
+    let rational = turn.len() != 2 * points.len() - 2;
+    for n in &coordinates {
+        let slope = bezier::derivative(n);
+        let term = bezier::product(n, &slope);
+        match rational {
+            false => turn.iter_mut().zip(&term).for_each(|(t, x)| *t += x),
+            true => {
+                let a = bezier::product(&term, &weights);
+                let b = bezier::product(&bezier::product(n, n), &bezier::derivative(&weights));
+                for (t, (x, y)) in turn.iter_mut().zip(a.iter().zip(&b)) {
+                    *t += x - y;
+                }
+            }
+        }
+    }
+    let noise = 1e-14 * turn.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+    let squared = |t: f64| (bezier::point(points, t) - q).norm_squared();
+    let mut best = ceiling;
+    let mut place = None;
+    let mut offer = |t: f64, best: &mut f64| {
+        let d = squared(t);
+        if d < *best {
+            (*best, place) = (d, Some(t));
+        }
+    };
+    let mut waiting = vec![(turn, 0.0, 1.0)];
+    while let Some((part, t0, t1)) = waiting.pop() {
+        let changes = bezier::variations(&part, noise);
+        let (first, last) = (part[0], part[part.len() - 1]);
+        if changes <= 1 || t1 - t0 < 1e-9 {
+            if t0 == 0.0 {
+                offer(0.0, &mut best);
+            }
+            if t1 == 1.0 {
+                offer(1.0, &mut best);
+            }
+            if first <= noise && last >= -noise {
+                offer(t0 + (t1 - t0) * bezier::root(&part), &mut best);
+            }
+            continue;
+        }
+        if t1 - t0 < 0.3 && box_squared(&bezier::between(points, [t0, t1]), q) >= best {
+            continue;
+        }
+        let middle = 0.5 * (t0 + t1);
+        let (mut low, mut high) = (part.clone(), part);
+        bezier::halve(&mut low, &mut high);
+        waiting.push((high, middle, t1));
+        waiting.push((low, t0, middle));
+    }
+    place.map(|t| (t, best))
+}
+
+/// Squared distance from a point to the box around control points, m².
+fn box_squared(points: &[Homogeneous], q: &Point3) -> f64 {
+    (0..3)
+        .map(|k| {
+            let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+            for h in points {
+                let x = h[k] / h[3];
+                (low, high) = (low.min(x), high.max(x));
+            }
+            (low - q[k]).max(q[k] - high).max(0.0)
+        })
+        .map(|d| d * d)
+        .sum()
+}
+
+fn weighted(p: &Point3, w: f64) -> Homogeneous {
+    [p.x * w, p.y * w, p.z * w, w]
+}
+
+/// The same circle, walked against its sense where `along` is false.
+fn turned(axes: &Axes, along: bool) -> Axes {
+    match along {
+        true => *axes,
+        false => Axes {
+            y: -axes.y,
+            z: -axes.z,
+            ..*axes
+        },
+    }
+}
+
+/// From one angle on to another, within (0, 2π]; a whole turn where the ends are one place.
+fn sweep(from: f64, to: f64, whole: bool) -> f64 {
+    let mut sweep = to - from;
+    while sweep <= 0.0 {
+        sweep += TAU;
+    }
+    if whole { TAU } else { sweep }
+}
+
+/// An elliptic arc as rational quadratics of a quarter turn at most.
+fn arc(axes: &Axes, [a, b]: [f64; 2], from: f64, sweep: f64) -> Vec<Homogeneous> {
+    let count = (sweep / FRAC_PI_2 - 1e-9).ceil().max(1.0);
+    let step = sweep / count;
+    let w = libm::cos(0.5 * step);
+    let mut points = Vec::new();
+    for k in 0..count as usize {
+        let t = from + step * k as f64;
+        let at = |t: f64, over: f64| {
+            let (sin, cos) = libm::sincos(t);
+            axes.to_world(&Vector3::new(a * cos / over, b * sin / over, 0.0))
+        };
+        points.push(weighted(&at(t, 1.0), 1.0));
+        points.push(weighted(&at(t + 0.5 * step, w), w));
+        points.push(weighted(&at(t + step, 1.0), 1.0));
+    }
+    points
+}
+
+/// A hyperbola's or parabola's piece as one rational quadratic.
+fn conic(
+    axes: &Axes,
+    [from, to]: [f64; 2],
+    at: impl Fn(f64) -> Vector3,
+    slope: impl Fn(f64) -> Vector3,
+    weight: impl Fn(f64) -> f64,
+) -> Result<EdgeCurve, CurveProblem> {
+    if from == to {
+        return Err(CurveProblem::Empty);
+    }
+    // Where the tangents at both ends cross.
+    let (a, b, da, db) = (at(from), at(to), slope(from), slope(to));
+    let across = da.x * db.y - da.y * db.x;
+    let s = ((b.x - a.x) * db.y - (b.y - a.y) * db.x) / across;
+    let w = weight(to - from);
+    let [a, m, b] = [a, a + da * s, b].map(|p| axes.to_world(&p));
+    let points = vec![weighted(&a, 1.0), weighted(&m, w), weighted(&b, 1.0)];
+    Ok(EdgeCurve::chain(2, points, Shape::Free))
+}
+
+/// The Bézier segments of a B-spline, and their degree.
+fn segments(curve: &Curve) -> Result<(usize, Vec<Homogeneous>), CurveProblem> {
+    let knots = curve.knots();
+    let degree = knots.degree();
+    if degree > MOST_DEGREE {
+        return Err(CurveProblem::Degree(degree));
+    }
+    let count = curve.points().len();
+    let at = |k: usize| {
+        weighted(
+            &curve.points()[k % count],
+            curve.weights().map_or(1.0, |w| w[k % count]),
+        )
+    };
+    let mut points = Vec::new();
+    for span in knots.spans() {
+        let t = knots.knots();
+        let rows = extraction(t, degree, span, [t[span], t[span + 1]]);
+        for row in rows.chunks(degree + 1) {
+            let mut h = [0.0; 4];
+            for (k, share) in row.iter().enumerate() {
+                let p = at(span - degree + k);
+                for (x, y) in h.iter_mut().zip(p) {
+                    *x += share * y;
+                }
+            }
+            points.push(h);
+        }
+    }
+    Ok((degree, points))
+}

@@ -1,0 +1,537 @@
+//! A part: edges with their gaps, faces with their loops, corners.
+
+use super::bezier;
+use super::brep::{Brep, BrepBound, BrepFace};
+use super::carrier::Carrier;
+use super::chart::Chart;
+use super::curve::{CurveProblem, EdgeCurve};
+use super::pcurve::PCurve;
+use super::tree::{Corners, Tree};
+use super::trim::{Piece, Trim, TrimProblem};
+use crate::math::{Point3, Vector3};
+use crate::surface::ClosestSolver;
+use std::f64::consts::TAU;
+
+/// Places at which the gap of an edge is measured, in each of its segments.
+const GAP_SAMPLES: usize = 64;
+/// Of the size: gaps that are no error of the file, beside twice what it declares.
+const MOST_GAP: f64 = 1e-3;
+
+/// Why a boundary makes no part.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum PartError {
+    /// No faces.
+    #[error("the part has no faces")]
+    Empty,
+    /// An edge without extent, or too high a degree.
+    #[error("edge #{id}: {source}")]
+    Edge {
+        /// In the file.
+        id: u64,
+        /// What is wrong.
+        source: CurveProblem,
+    },
+    /// Farther off than the file may be.
+    #[error(
+        "edge #{edge} is {gap_m:.3e} m off face #{face}, more than the {most_m:.1e} m that an edge may be"
+    )]
+    OffSurface {
+        /// In the file.
+        edge: u64,
+        /// In the file.
+        face: u64,
+        /// As measured, m.
+        gap_m: f64,
+        /// As allowed, m.
+        most_m: f64,
+    },
+    /// Loops that bound nothing.
+    #[error("face #{id}: {source}")]
+    Face {
+        /// In the file.
+        id: u64,
+        /// What is wrong.
+        source: TrimProblem,
+    },
+}
+
+/// One of the two uses of an edge.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Side {
+    pub face: u32,
+    /// On B-splines.
+    pub pcurve: Option<PCurve>,
+}
+
+/// An edge between faces.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Edge {
+    pub id: u64,
+    pub curve: EdgeCurve,
+    pub ends: [u32; 2],
+    pub sides: Vec<Side>,
+    pub gap_m: f64,
+}
+
+/// A trimmed piece of a carrier.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Face {
+    pub id: u64,
+    pub carrier: Carrier,
+    pub same_sense: bool,
+    pub trim: Trim,
+    pub loops: usize,
+}
+
+/// Where edges meet, or a cone ends.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Vertex {
+    pub point: Point3,
+    /// Σ αᵢ nᵢ over the faces that meet there.
+    pub normal: Vector3,
+    /// One of them.
+    pub face: Option<u32>,
+    /// No edge ends here: the apex of a cone.
+    pub lone: bool,
+    pub gap_m: f64,
+}
+
+/// What CAD systems write: trimmed faces that share edges; rigid, m.
+#[derive(Clone, Debug)]
+pub struct Part {
+    pub(super) edges: Vec<Edge>,
+    pub(super) faces: Vec<Face>,
+    pub(super) vertices: Vec<Vertex>,
+    /// Over edges, then lone vertices.
+    pub(super) wires: Tree,
+    pub(super) skin: Tree,
+    /// Vertices of `wires` past the edges.
+    pub(super) lone: Vec<u32>,
+    closed: bool,
+    bounds: Corners,
+    gap_m: f64,
+}
+
+/// What is said of a face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FaceInfo<'a> {
+    /// `#id` in the file.
+    pub id: u64,
+    /// What it lies on.
+    pub carrier: &'a Carrier,
+    /// Loops of edges that bound it, seams left out.
+    pub loops: usize,
+}
+
+impl Part {
+    /// Of a boundary.
+    ///
+    /// # Errors
+    /// Edges off their faces, loops that bound nothing; each names its `#id` in the file.
+    pub fn new(brep: &Brep) -> Result<Self, PartError> {
+        if brep.faces.is_empty() {
+            return Err(PartError::Empty);
+        }
+        let mut build = Build::new(brep)?;
+        for k in 0..brep.faces.len() {
+            build.add_face(k as u32)?;
+        }
+        build.finish()
+    }
+
+    /// Its faces, in the order of the file's shells.
+    pub fn faces(&self) -> impl ExactSizeIterator<Item = FaceInfo<'_>> {
+        self.faces.iter().map(|face| FaceInfo {
+            id: face.id,
+            carrier: &face.carrier,
+            loops: face.loops,
+        })
+    }
+
+    /// How many edges lie between its faces; seams are none.
+    pub fn edge_count(&self) -> usize {
+        self.edges
+            .iter()
+            .filter(|edge| !edge.sides.is_empty())
+            .count()
+    }
+
+    /// Corners of a box around it, m.
+    pub fn bounds(&self) -> (Point3, Point3) {
+        self.bounds
+    }
+
+    /// Diagonal of that box, m.
+    pub fn size_m(&self) -> f64 {
+        (self.bounds.1 - self.bounds.0).norm()
+    }
+
+    /// The farthest that an edge is from its faces or its ends, m.
+    pub fn gap_m(&self) -> f64 {
+        self.gap_m
+    }
+
+    /// Every edge joins two faces, and the file calls all its shells closed: it has an inside.
+    pub fn is_closed(&self) -> bool {
+        self.closed
+    }
+}
+
+impl Face {
+    /// Unit normal of the face, out of the matter.
+    pub fn normal(&self, uv: [f64; 2]) -> Vector3 {
+        let normal = self.carrier.normal(uv);
+        if self.same_sense { normal } else { -normal }
+    }
+}
+
+impl Edge {
+    /// Parameters of one of its faces at a place of the edge.
+    pub fn on(&self, side: &Side, faces: &[Face], at: (usize, f64)) -> Option<[f64; 2]> {
+        match &side.pcurve {
+            Some(pcurve) => Some(pcurve.at(at)),
+            None => faces[side.face as usize]
+                .carrier
+                .foot(&self.curve.point(at)),
+        }
+    }
+
+    /// Normals of its faces at a place, added.
+    pub fn normal(&self, faces: &[Face], at: (usize, f64)) -> Vector3 {
+        let normals = self.sides.iter().filter_map(|side| {
+            let uv = self.on(side, faces, at)?;
+            Some(faces[side.face as usize].normal(uv))
+        });
+        normals.sum()
+    }
+}
+
+struct Build<'a> {
+    brep: &'a Brep,
+    edges: Vec<Edge>,
+    faces: Vec<Face>,
+    vertices: Vec<Vertex>,
+    boxes: Vec<Corners>,
+    size_m: f64,
+    most_gap_m: f64,
+}
+
+impl<'a> Build<'a> {
+    fn new(brep: &'a Brep) -> Result<Self, PartError> {
+        let mut edges = Vec::with_capacity(brep.edges.len());
+        for edge in &brep.edges {
+            let ends = edge.ends.map(|v| &brep.vertices[v as usize]);
+            let closed = edge.ends[0] == edge.ends[1];
+            let curve =
+                EdgeCurve::new(&edge.curve, edge.along, ends, closed).map_err(|source| {
+                    PartError::Edge {
+                        id: edge.id,
+                        source,
+                    }
+                })?;
+            let off = |last: bool| {
+                let at = if last {
+                    (curve.segments() - 1, 1.0)
+                } else {
+                    (0, 0.0)
+                };
+                (curve.point(at) - ends[usize::from(last)]).norm()
+            };
+            let gap_m = off(false).max(off(true));
+            edges.push(Edge {
+                id: edge.id,
+                curve,
+                ends: edge.ends,
+                sides: Vec::new(),
+                gap_m,
+            });
+        }
+        let vertices = brep.vertices.iter().map(|&point| Vertex {
+            point,
+            normal: Vector3::zeros(),
+            face: None,
+            lone: true,
+            gap_m: 0.0,
+        });
+        let boxes = edges.iter().map(|edge| edge.curve.bounds());
+        let bounds = boxes.reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)));
+        let size_m = bounds.map_or(0.0, |(low, high)| (high - low).norm());
+        Ok(Self {
+            brep,
+            vertices: vertices.collect(),
+            edges,
+            faces: Vec::with_capacity(brep.faces.len()),
+            boxes: Vec::with_capacity(brep.faces.len()),
+            size_m,
+            most_gap_m: (MOST_GAP * size_m).max(2.0 * brep.uncertainty_m),
+        })
+    }
+
+    fn add_face(&mut self, index: u32) -> Result<(), PartError> {
+        let face = &self.brep.faces[index as usize];
+        let fail = |source| PartError::Face {
+            id: face.id,
+            source,
+        };
+        let chains = self.chains(face).map_err(fail)?;
+        let mut solver = match &face.carrier {
+            Carrier::Spline(surface) => Some(ClosestSolver::new(surface)),
+            _ => None,
+        };
+        let chart = Chart::new(&face.carrier);
+        let mut walks = Vec::with_capacity(chains.len());
+        for chain in &chains {
+            let mut walk = Vec::new();
+            for &(e, forward) in chain {
+                self.add_side(index, e, solver.as_mut())?;
+                walk.extend(self.pieces(&chart, e, forward));
+            }
+            // On the carrier's own side the face is on the right where the senses differ.
+            if !face.same_sense {
+                walk.reverse();
+                walk.iter_mut()
+                    .for_each(|piece: &mut Piece| piece.points.reverse());
+            }
+            walks.push(walk);
+        }
+        let trim = match walks.is_empty() {
+            true => Trim::whole(chart),
+            false => Trim::new(chart, &walks).map_err(fail)?,
+        };
+        let built = Face {
+            id: face.id,
+            carrier: face.carrier.clone(),
+            same_sense: face.same_sense,
+            trim,
+            loops: chains.len(),
+        };
+        self.add_corners(index, &built, &chains);
+        self.boxes.push(self.face_box(&built, &chains));
+        self.faces.push(built);
+        Ok(())
+    }
+
+    /// Closed chains of uses, seams dropped: edges that the face is on both sides of.
+    fn chains(&self, face: &BrepFace) -> Result<Vec<Vec<(u32, bool)>>, TrimProblem> {
+        let loops = || {
+            face.bounds.iter().filter_map(|bound| match bound {
+                BrepBound::Loop(uses) => Some(uses),
+                BrepBound::Vertex(_) => None,
+            })
+        };
+        let mut all: Vec<(u32, bool)> = loops().flatten().copied().collect();
+        all.sort_unstable();
+        let is_seam = |e: u32| {
+            all.binary_search(&(e, true)).is_ok() && all.binary_search(&(e, false)).is_ok()
+        };
+        let mut out = Vec::new();
+        for uses in loops() {
+            let mut rest: Vec<(u32, bool)> =
+                uses.iter().copied().filter(|&(e, _)| !is_seam(e)).collect();
+            while !rest.is_empty() {
+                let mut chain = vec![rest.remove(0)];
+                let first = self.end(chain[0], false);
+                while let Some(&last) = chain.last()
+                    && !self.same_place(self.end(last, true), first)
+                {
+                    let here = self.end(last, true);
+                    let next = (rest.iter()).position(|&next| self.end(next, false) == here);
+                    let next = next.or_else(|| {
+                        (rest.iter()).position(|&next| self.same_place(self.end(next, false), here))
+                    });
+                    let Some(next) = next else {
+                        return Err(TrimProblem::Open(self.edges[last.0 as usize].id));
+                    };
+                    chain.push(rest.remove(next));
+                }
+                out.push(chain);
+            }
+        }
+        Ok(out)
+    }
+
+    /// The vertex at which a use starts, or at which it ends.
+    fn end(&self, (e, forward): (u32, bool), last: bool) -> u32 {
+        self.edges[e as usize].ends[usize::from(last == forward)]
+    }
+
+    fn same_place(&self, a: u32, b: u32) -> bool {
+        let at = |v: u32| self.vertices[v as usize].point;
+        a == b || (at(a) - at(b)).norm() <= 1e-9 * self.size_m
+    }
+
+    /// Enters a face at an edge, and how far the edge is from it.
+    fn add_side(
+        &mut self,
+        face: u32,
+        e: u32,
+        solver: Option<&mut ClosestSolver>,
+    ) -> Result<(), PartError> {
+        let carrier = &self.brep.faces[face as usize].carrier;
+        let edge = &mut self.edges[e as usize];
+        let pcurve = match (carrier, solver) {
+            (Carrier::Spline(surface), Some(solver)) => {
+                Some(PCurve::new(surface, solver, &edge.curve))
+            }
+            _ => None,
+        };
+        let mut gap_m = 0.0f64;
+        for at in edge.curve.samples(GAP_SAMPLES) {
+            let point = edge.curve.point(at);
+            let uv = match &pcurve {
+                Some(pcurve) => Some(pcurve.at(at)),
+                None => carrier.foot(&point),
+            };
+            let foot = uv.map(|uv| carrier.point(carrier.confined(uv)));
+            let off = foot.map_or(0.0, |foot| (foot - point).norm());
+            gap_m = gap_m.max(off);
+        }
+        if !(gap_m <= self.most_gap_m) {
+            return Err(PartError::OffSurface {
+                edge: edge.id,
+                face: self.brep.faces[face as usize].id,
+                gap_m,
+                most_m: self.most_gap_m,
+            });
+        }
+        edge.gap_m = edge.gap_m.max(gap_m);
+        edge.sides.push(Side { face, pcurve });
+        Ok(())
+    }
+
+    /// The pieces of a use, in walking order, as the face's chart has them.
+    fn pieces(&self, chart: &Chart, e: u32, forward: bool) -> Vec<Piece> {
+        let edge = &self.edges[e as usize];
+        let last = edge.sides.last();
+        let segments: Vec<Vec<bezier::Homogeneous>> =
+            match last.and_then(|side| side.pcurve.as_ref()) {
+                Some(pcurve) => pcurve.segments().collect(),
+                None => (0..edge.curve.segments())
+                    .map(|k| chart.local(edge.curve.segment(k)))
+                    .collect(),
+            };
+        let piece = |mut points: Vec<bezier::Homogeneous>| {
+            if !forward {
+                points.reverse();
+            }
+            Piece {
+                edge: edge.id,
+                points,
+            }
+        };
+        match forward {
+            true => segments.into_iter().map(piece).collect(),
+            false => segments.into_iter().rev().map(piece).collect(),
+        }
+    }
+
+    /// The face's share of the normals of its corners: Σ αᵢ nᵢ (Bærentzen & Aanæs 2005).
+    fn add_corners(&mut self, index: u32, face: &Face, chains: &[Vec<(u32, bool)>]) {
+        for chain in chains {
+            for (k, &before) in chain.iter().enumerate() {
+                let after = chain[(k + 1) % chain.len()];
+                let tangent = |(e, forward): (u32, bool), last: bool| {
+                    let t = self.edges[e as usize].curve.tangent_at_end(last == forward);
+                    if forward { t } else { -t }
+                };
+                let (into, out) = (tangent(before, true), tangent(after, false));
+                let edge = &self.edges[before.0 as usize];
+                let at = if before.1 {
+                    (edge.curve.segments() - 1, 1.0)
+                } else {
+                    (0, 0.0)
+                };
+                let side = edge.sides.iter().find(|side| side.face == index);
+                let Some(uv) = side.and_then(|side| match &side.pcurve {
+                    Some(pcurve) => Some(pcurve.at(at)),
+                    None => face.carrier.foot(&edge.curve.point(at)),
+                }) else {
+                    continue;
+                };
+                let normal = face.normal(face.carrier.confined(uv));
+                let back = -into;
+                let mut angle = libm::atan2(normal.dot(&out.cross(&back)), out.dot(&back));
+                if angle < 0.0 {
+                    angle += TAU;
+                }
+                let gap_m = edge.gap_m;
+                let v = self.end(before, true);
+                let vertex = &mut self.vertices[v as usize];
+                vertex.normal += normal * angle;
+                vertex.face = Some(index);
+                vertex.lone = false;
+                vertex.gap_m = vertex.gap_m.max(gap_m);
+            }
+        }
+        // The apex of a cone that no edge reaches.
+        if let Carrier::Cone { axes, .. } = &face.carrier {
+            let near = |v: &Vertex| (v.point - axes.origin).norm() <= 1e-6 * self.size_m;
+            let on_face = face.trim.contains([0.0, 0.0]);
+            for vertex in self.vertices.iter_mut().filter(|v| v.lone && near(v)) {
+                if on_face {
+                    vertex.normal = if face.same_sense { -axes.z } else { axes.z };
+                    vertex.face = Some(index);
+                }
+            }
+        }
+    }
+
+    fn face_box(&self, face: &Face, chains: &[Vec<(u32, bool)>]) -> Corners {
+        let edges = chains
+            .iter()
+            .flatten()
+            .map(|&(e, _)| self.edges[e as usize].curve.bounds());
+        let around = edges.reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)));
+        match (&face.carrier, around) {
+            (Carrier::Plane(_), Some(around)) => around,
+            (carrier, around) => {
+                let own = carrier.bounds(&face.trim.extent());
+                around.map_or(own, |a| (a.0.inf(&own.0), a.1.sup(&own.1)))
+            }
+        }
+    }
+
+    fn finish(self) -> Result<Part, PartError> {
+        let Self {
+            brep,
+            edges,
+            faces,
+            mut vertices,
+            boxes,
+            ..
+        } = self;
+        for vertex in &mut vertices {
+            vertex.lone &= vertex.face.is_some();
+        }
+        let lone: Vec<u32> = (0..vertices.len() as u32)
+            .filter(|&v| vertices[v as usize].lone)
+            .collect();
+        let mut wires: Vec<Corners> = edges.iter().map(|edge| edge.curve.bounds()).collect();
+        wires.extend(
+            lone.iter()
+                .map(|&v| (vertices[v as usize].point, vertices[v as usize].point)),
+        );
+        let skin = Tree::new(&boxes);
+        let joined = edges.iter().all(|edge| edge.sides.len() != 1);
+        let shells = &brep.shells;
+        let closed = joined
+            && shells
+                .iter()
+                .all(|shell| shell.closed && shell.solid.is_some());
+        let bounds = skin.bounds().ok_or(PartError::Empty)?;
+        Ok(Part {
+            gap_m: edges
+                .iter()
+                .filter(|edge| !edge.sides.is_empty())
+                .fold(0.0, |m, e| m.max(e.gap_m)),
+            wires: Tree::new(&wires),
+            skin,
+            edges,
+            faces,
+            vertices,
+            lone,
+            closed,
+            bounds,
+        })
+    }
+}

@@ -1,0 +1,195 @@
+//! An edge in the parameters of a B-spline that it bounds: cubics through feet and their slopes.
+
+use super::bezier::Homogeneous;
+use super::carrier::closed;
+use super::chart::lifted;
+use super::curve::EdgeCurve;
+use crate::math::{Point3, Vector3};
+use crate::surface::{ClosestSolver, Surface};
+
+/// How far a cubic may be from the feet between its ends, of the size of the surface.
+const FIT: f64 = 1e-10;
+/// Halvings of a segment at most.
+const MOST_HALVINGS: usize = 9;
+/// Below this, of the size, a derivative has no direction: a pole.
+const POLE: f64 = 1e-7;
+
+/// Cubics over parts of an edge's segments, in the sense of the edge.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct PCurve {
+    cubics: Vec<Cubic>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct Cubic {
+    segment: usize,
+    t: [f64; 2],
+    points: [[f64; 2]; 4],
+}
+
+/// A foot and how it moves with t.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    uv: [f64; 2],
+    slope: [f64; 2],
+}
+
+struct Tracer<'a> {
+    surface: &'a Surface,
+    solver: &'a mut ClosestSolver,
+    curve: &'a EdgeCurve,
+    periods: [f64; 2],
+    size_m: f64,
+}
+
+impl PCurve {
+    /// By projection of the curve.
+    pub fn new(surface: &Surface, solver: &mut ClosestSolver, curve: &EdgeCurve) -> Self {
+        let points = surface.net().points();
+        let far_m = points.iter().map(|p| (p - points[0]).norm());
+        let domain = [surface.knots_u().domain(), surface.knots_v().domain()];
+        let shut = closed(surface);
+        let mut tracer = Tracer {
+            surface,
+            solver,
+            curve,
+            periods: std::array::from_fn(|k| {
+                if shut[k] {
+                    domain[k].1 - domain[k].0
+                } else {
+                    0.0
+                }
+            }),
+            size_m: far_m.fold(f64::MIN_POSITIVE, f64::max),
+        };
+        let mut cubics = Vec::new();
+        let mut near = None;
+        for segment in 0..curve.segments() {
+            let start = tracer.place((segment, 0.0), near);
+            let middle = tracer.place((segment, 0.5), Some(start.uv));
+            let end = tracer.place((segment, 1.0), Some(middle.uv));
+            tracer.fit(segment, [0.0, 1.0], [start, end], 0, &mut cubics);
+            near = Some(end.uv);
+        }
+        Self { cubics }
+    }
+
+    /// (u, v) at a place of the edge.
+    pub fn at(&self, (segment, t): (usize, f64)) -> [f64; 2] {
+        let after = self
+            .cubics
+            .partition_point(|c| (c.segment, c.t[0]) <= (segment, t));
+        let cubic = &self.cubics[after.max(1) - 1];
+        let s = (t - cubic.t[0]) / (cubic.t[1] - cubic.t[0]);
+        value(&cubic.points, s)
+    }
+
+    /// As segments in (u, v), in the sense of the edge.
+    pub fn segments(&self) -> impl DoubleEndedIterator<Item = Vec<Homogeneous>> + '_ {
+        let flat = |c: &Cubic| c.points.iter().map(|p| [p[0], p[1], 0.0, 1.0]).collect();
+        self.cubics.iter().map(flat)
+    }
+}
+
+fn value(p: &[[f64; 2]; 4], s: f64) -> [f64; 2] {
+    let r = 1.0 - s;
+    std::array::from_fn(|k| {
+        r * r * r * p[0][k]
+            + 3.0 * r * r * s * p[1][k]
+            + 3.0 * r * s * s * p[2][k]
+            + s * s * s * p[3][k]
+    })
+}
+
+impl Tracer<'_> {
+    /// The foot of a place of the edge, near another foot where one is known.
+    fn place(&mut self, at: (usize, f64), near: Option<[f64; 2]>) -> Place {
+        let q = self.curve.point(at);
+        let mut uv = self.foot(&q, near);
+        let mut frame = self.surface.frame(uv[0], uv[1]);
+        let range: [f64; 2] = [
+            self.surface.knots_u().domain(),
+            self.surface.knots_v().domain(),
+        ]
+        .map(|d| d.1 - d.0);
+        let flat = [frame.du, frame.dv]
+            .iter()
+            .zip(range)
+            .position(|(d, range)| d.norm() * range < POLE * self.size_m);
+        if let Some(k) = flat {
+            // At a pole the parameter along it is what it tends to.
+            let inside = (at.0, if at.1 < 0.5 { at.1 + 1e-5 } else { at.1 - 1e-5 });
+            let beside = self.foot(&self.curve.point(inside), near);
+            uv[k] = beside[k];
+            frame = self.surface.frame(beside[0], beside[1]);
+        }
+        if let Some(near) = near {
+            uv = std::array::from_fn(|k| lifted(uv[k], near[k], self.periods[k]));
+        }
+        let slope = self.curve.slope(at);
+        Place {
+            uv,
+            slope: solved(&frame.du, &frame.dv, &slope),
+        }
+    }
+
+    fn foot(&mut self, q: &Point3, near: Option<[f64; 2]>) -> [f64; 2] {
+        let close = near.and_then(|[u, v]| {
+            let within = |x: f64, domain: (f64, f64), period: f64| {
+                let y = lifted(x, 0.5 * (domain.0 + domain.1), period);
+                y.clamp(domain.0, domain.1)
+            };
+            let u = within(u, self.surface.knots_u().domain(), self.periods[0]);
+            let v = within(v, self.surface.knots_v().domain(), self.periods[1]);
+            self.solver.local(self.surface, q, u, v)
+        });
+        let close = close.filter(|foot| foot.distance < 1e-4 * self.size_m);
+        let foot = close.unwrap_or_else(|| self.solver.closest(self.surface, q));
+        [foot.u, foot.v]
+    }
+
+    fn fit(
+        &mut self,
+        segment: usize,
+        t: [f64; 2],
+        [a, b]: [Place; 2],
+        depth: usize,
+        out: &mut Vec<Cubic>,
+    ) {
+        let h = (t[1] - t[0]) / 3.0;
+        let points = [
+            a.uv,
+            std::array::from_fn(|k| a.uv[k] + h * a.slope[k]),
+            std::array::from_fn(|k| b.uv[k] - h * b.slope[k]),
+            b.uv,
+        ];
+        let middle = 0.5 * (t[0] + t[1]);
+        let mid = self.place((segment, middle), Some(value(&points, 0.5)));
+        let off = |p: [f64; 2], q: [f64; 2]| {
+            let frame = self.surface.frame(q[0], q[1]);
+            (frame.du * (p[0] - q[0]) + frame.dv * (p[1] - q[1])).norm()
+        };
+        let good = off(value(&points, 0.5), mid.uv) <= FIT * self.size_m && {
+            let at = 0.75 * t[0] + 0.25 * t[1];
+            let quarter = self.place((segment, at), Some(value(&points, 0.25)));
+            off(value(&points, 0.25), quarter.uv) <= FIT * self.size_m
+        };
+        if good || depth >= MOST_HALVINGS {
+            out.push(Cubic { segment, t, points });
+        } else {
+            self.fit(segment, [t[0], middle], [a, mid], depth + 1, out);
+            self.fit(segment, [middle, t[1]], [mid, b], depth + 1, out);
+        }
+    }
+}
+
+/// a and b for which a du + b dv is nearest to a direction.
+fn solved(du: &Vector3, dv: &Vector3, to: &Vector3) -> [f64; 2] {
+    let (uu, uv, vv) = (du.norm_squared(), du.dot(dv), dv.norm_squared());
+    let (u, v) = (du.dot(to), dv.dot(to));
+    let whole = uu * vv - uv * uv;
+    if whole <= 1e-24 * uu * vv || whole == 0.0 {
+        return [0.0; 2];
+    }
+    [(u * vv - v * uv) / whole, (v * uu - u * uv) / whole]
+}
