@@ -56,6 +56,15 @@ impl Chart {
         }
     }
 
+    /// The carrier has no edge and no end.
+    pub fn is_bounded(&self) -> bool {
+        match self.map {
+            Map::Sphere | Map::Torus(_) => true,
+            Map::Flat => self.periods[0] > 0.0,
+            Map::Cylinder | Map::Cone(..) => false,
+        }
+    }
+
     pub fn is_flat(&self) -> bool {
         self.map == Map::Flat
     }

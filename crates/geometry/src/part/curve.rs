@@ -218,10 +218,6 @@ impl EdgeCurve {
         &self.points[k * n..(k + 1) * n]
     }
 
-    pub fn is_line(&self) -> bool {
-        self.shape == Shape::Line
-    }
-
     pub fn point(&self, (segment, t): (usize, f64)) -> Point3 {
         bezier::point(self.segment(segment), t)
     }

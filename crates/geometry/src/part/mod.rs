@@ -10,6 +10,7 @@ mod carrier;
 mod chart;
 mod closest;
 mod curve;
+mod measure;
 #[expect(clippy::module_inception)]
 mod part;
 mod pcurve;
@@ -20,5 +21,9 @@ pub use brep::{Brep, BrepBound, BrepCurve, BrepEdge, BrepFace, BrepShell, OutOfR
 pub use carrier::{Axes, Carrier};
 pub use closest::{PartFoot, PartSolver, Support};
 pub use curve::CurveProblem;
+pub use measure::PartMeasure;
 pub use part::{FaceInfo, Part, PartError};
 pub use trim::TrimProblem;
+
+#[cfg(test)]
+mod tests;

@@ -295,7 +295,8 @@ impl<'a> Build<'a> {
             walks.push(walk);
         }
         let trim = match walks.is_empty() {
-            true => Trim::whole(chart),
+            true if chart.is_bounded() => Trim::whole(chart),
+            true => return Err(fail(TrimProblem::Unbounded)),
             false => Trim::new(chart, &walks).map_err(fail)?,
         };
         let built = Face {
@@ -414,10 +415,7 @@ impl<'a> Build<'a> {
             if !forward {
                 points.reverse();
             }
-            Piece {
-                edge: edge.id,
-                points,
-            }
+            Piece { points }
         };
         match forward {
             true => segments.into_iter().map(piece).collect(),

@@ -11,6 +11,7 @@
 
 use super::bezier::{self, Homogeneous};
 use super::chart::{Chart, lifted, wrap};
+use super::measure::Walk;
 
 /// Columns of the table that says which arcs a ray may cross.
 const COLUMNS: usize = 32;
@@ -79,8 +80,6 @@ pub(super) struct Trim {
 /// A piece of an edge on a face, in walking order.
 #[derive(Clone, Debug)]
 pub(super) struct Piece {
-    /// `#id` of the edge.
-    pub edge: u64,
     /// As [`Chart::local`] gives it, or in (u, v).
     pub points: Vec<Homogeneous>,
 }
@@ -308,11 +307,7 @@ impl Trim {
         let Path::Curve(points, shift) = &arc.path else {
             return arc.v[0];
         };
-        let mut beside = [0.0; bezier::MOST_DEGREE + 1];
-        for (b, x) in beside.iter_mut().zip(self.chart.beside(points, u + shift)) {
-            *b = x;
-        }
-        let t = bezier::root(&beside[..points.len()]);
+        let t = self.parameter(points, u + shift);
         let h = bezier::evaluate(points, t).0;
         let v = self.chart.reduced(self.chart.raw(&h))[1];
         lifted(v, 0.5 * (arc.v[0] + arc.v[1]), self.chart.periods[1])
@@ -332,7 +327,7 @@ impl Trim {
                 continue;
             }
             // Towards −u the left is below.
-            let sign = if after { -1 } else { 1 };
+            let sign = if before { -1 } else { 1 };
             if arc.v[0] > v {
                 count += sign;
                 continue;
@@ -402,6 +397,60 @@ impl Trim {
             true => [widest[1] - period, widest[0]],
             false => [0.0, period],
         }
+    }
+
+    /// The v from which integrals across begin.
+    pub fn bottom(&self) -> f64 {
+        let [pole, _] = self.chart.poles();
+        let lowest = if self.arcs.is_empty() || self.chart.periods[1] > 0.0 {
+            0.0
+        } else {
+            self.reach[1][0]
+        };
+        match self.chart.is_flat() {
+            true if self.chart.periods == [0.0, 0.0] => lowest,
+            true => 0.0,
+            false => pole.unwrap_or(lowest),
+        }
+    }
+
+    /// Ranges of u, and the base in each.
+    pub fn bases(&self) -> Vec<([f64; 2], i32)> {
+        let [low, high] = match self.chart.periods[0] {
+            0.0 => self.reach[0],
+            period => [0.0, period],
+        };
+        let mut from = low;
+        let mut out = Vec::new();
+        for at in self.steps.iter().map(|step| step.0).chain([high]) {
+            out.push(([from, at], self.base_at(0.5 * (from + at))));
+            from = at;
+        }
+        out
+    }
+
+    /// Its loops in monotone pieces.
+    pub fn walks(&self) -> impl Iterator<Item = Walk<'_>> {
+        self.arcs.iter().map(|arc| Walk {
+            points: match &arc.path {
+                Path::Curve(points, shift) => Some((
+                    points.as_slice(),
+                    arc.u.map(|u| self.parameter(points, u + shift)),
+                )),
+                Path::Level => None,
+            },
+            u: arc.u,
+            v: 0.5 * (arc.v[0] + arc.v[1]),
+        })
+    }
+
+    /// Where a monotone segment has a u; the nearer end where it has not.
+    fn parameter(&self, points: &[Homogeneous], u: f64) -> f64 {
+        let mut beside = [0.0; bezier::MOST_DEGREE + 1];
+        for (b, x) in beside.iter_mut().zip(self.chart.beside(points, u)) {
+            *b = x;
+        }
+        bezier::root(&beside[..points.len()])
     }
 
     /// The base for which the left of the arcs is inside.
