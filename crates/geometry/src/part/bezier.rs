@@ -1,11 +1,10 @@
 //! Rational Bézier segments: evaluation, splitting, signs of polynomials.
 
+use crate::basis::MAX_DEGREE;
 use crate::math::{Point3, Vector3};
 
-/// Degree of an edge's curve at most.
-pub(super) const MOST_DEGREE: usize = 20;
-/// Coefficients of the polynomials that are made of such a curve.
-pub(super) const MOST_TERMS: usize = 3 * MOST_DEGREE;
+/// Coefficients of the polynomials that are made of a curve, at most.
+const MOST_TERMS: usize = 3 * MAX_DEGREE;
 
 /// A control point times its weight, and the weight.
 pub(super) type Homogeneous = [f64; 4];
@@ -13,7 +12,7 @@ pub(super) type Homogeneous = [f64; 4];
 /// The point and the derivative of a segment at t, both homogeneous.
 pub(super) fn evaluate(points: &[Homogeneous], t: f64) -> (Homogeneous, Homogeneous) {
     let d = points.len() - 1;
-    let mut work = [[0.0; 4]; MOST_DEGREE + 1];
+    let mut work = [[0.0; 4]; MAX_DEGREE + 1];
     work[..=d].copy_from_slice(points);
     let mut slope = [0.0; 4];
     for round in 0..d {
@@ -73,139 +72,182 @@ pub(super) fn between(points: &[Homogeneous], [a, b]: [f64; 2]) -> Vec<Homogeneo
     }
 }
 
-/// The product of two polynomials in Bernstein form.
-pub(super) fn product(a: &[f64], b: &[f64]) -> Vec<f64> {
-    let (m, n) = (a.len() - 1, b.len() - 1);
-    let mut out = vec![0.0; m + n + 1];
-    for (i, x) in a.iter().enumerate() {
-        for (j, y) in b.iter().enumerate() {
-            out[i + j] += binomial(m, i) * binomial(n, j) / binomial(m + n, i + j) * x * y;
+/// A polynomial on [0, 1] by its Bernstein coefficients.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Polynomial {
+    terms: [f64; MOST_TERMS],
+    count: usize,
+}
+
+impl FromIterator<f64> for Polynomial {
+    fn from_iter<I: IntoIterator<Item = f64>>(coefficients: I) -> Self {
+        let mut all = Self {
+            terms: [0.0; MOST_TERMS],
+            count: 0,
+        };
+        for x in coefficients {
+            all.terms[all.count] = x;
+            all.count += 1;
         }
-    }
-    out
-}
-
-/// The derivative of a polynomial in Bernstein form.
-pub(super) fn derivative(a: &[f64]) -> Vec<f64> {
-    let d = (a.len() - 1) as f64;
-    match a.len() {
-        0 | 1 => vec![0.0],
-        _ => a.windows(2).map(|w| d * (w[1] - w[0])).collect(),
-    }
-}
-
-fn binomial(n: usize, k: usize) -> f64 {
-    let k = k.min(n - k);
-    (0..k).fold(1.0, |b, i| b * (n - i) as f64 / (i + 1) as f64)
-}
-
-/// A polynomial in Bernstein form at t.
-pub(super) fn value(a: &[f64], t: f64) -> f64 {
-    let mut work = [0.0; MOST_TERMS + 1];
-    let n = a.len();
-    work[..n].copy_from_slice(a);
-    for round in 1..n {
-        for i in 0..n - round {
-            work[i] = work[i] * (1.0 - t) + work[i + 1] * t;
-        }
-    }
-    work[0]
-}
-
-/// Halves of a polynomial in Bernstein form: the first replaces it, the second is returned in `high`.
-pub(super) fn halve(low: &mut [f64], high: &mut [f64]) {
-    let n = low.len();
-    high.copy_from_slice(low);
-    for round in 0..n {
-        low[round] = high[0];
-        for i in 0..n - 1 - round {
-            high[i] = 0.5 * (high[i] + high[i + 1]);
-        }
+        all
     }
 }
 
-/// How often the coefficients change sign, those within `noise` of 0 passed over.
-pub(super) fn variations(a: &[f64], noise: f64) -> usize {
-    let mut last = 0.0;
-    let mut count = 0;
-    for &x in a.iter().filter(|x| x.abs() > noise) {
-        count += usize::from(last * x < 0.0);
-        last = x.signum();
+impl Polynomial {
+    /// One coordinate of a homogeneous curve.
+    pub fn of(points: &[Homogeneous], k: usize) -> Self {
+        points.iter().map(|h| h[k]).collect()
     }
-    count
-}
 
-/// Where a polynomial in Bernstein form changes sign within (0, 1), ascending. Roots nearer to each other than 1e-6
-/// may be passed over in pairs.
-pub(super) fn sign_changes(a: &[f64]) -> Vec<f64> {
-    let most = a.iter().fold(0.0f64, |m, x| m.max(x.abs()));
-    let noise = 1e-13 * most;
-    let mut found = Vec::new();
-    let mut waiting = vec![(a.to_vec(), 0.0, 1.0, 0)];
-    while let Some((part, t0, t1, depth)) = waiting.pop() {
-        let changes = variations(&part, noise);
-        if changes == 0 || (depth > 20 && changes.is_multiple_of(2)) {
-            continue;
-        }
-        let (first, last) = (part[0], part[part.len() - 1]);
-        if changes == 1 && first.abs() > noise && last.abs() > noise || depth > 20 {
-            found.push(t0 + (t1 - t0) * root(&part));
-            continue;
-        }
-        let middle = 0.5 * (t0 + t1);
-        let (mut low, mut high) = (part.clone(), part);
-        halve(&mut low, &mut high);
-        let on = low[low.len() - 1].abs() <= noise;
-        if on && variations(&low, noise) + variations(&high, noise) < changes {
-            found.push(middle);
-        }
-        waiting.push((high, middle, t1, depth + 1));
-        waiting.push((low, t0, middle, depth + 1));
+    fn terms(&self) -> &[f64] {
+        &self.terms[..self.count]
     }
-    found.sort_unstable_by(f64::total_cmp);
-    found
-}
 
-/// The root of a polynomial in Bernstein form whose values at 0 and 1 differ in sign; the nearer end where they do not.
-pub(super) fn root(a: &[f64]) -> f64 {
-    let (mut fa, mut fb) = (a[0], a[a.len() - 1]);
-    if fa * fb > 0.0 {
-        return if fa.abs() < fb.abs() { 0.0 } else { 1.0 };
+    /// At 0 and at 1.
+    pub fn ends(&self) -> [f64; 2] {
+        [self.terms[0], self.terms[self.count - 1]]
     }
-    if fa == 0.0 {
-        return 0.0;
+
+    /// The greatest coefficient.
+    pub fn most(&self) -> f64 {
+        self.terms().iter().fold(0.0, |m, x| x.abs().max(m))
     }
-    let (mut t0, mut t1) = (0.0, 1.0);
-    // The secant of Illinois, halving where it is slow.
-    let mut side = 0;
-    for k in 0..100 {
-        let mut t = (t0 * fb - t1 * fa) / (fb - fa);
-        if k % 4 == 3 || !(t > t0 && t < t1) {
-            t = 0.5 * (t0 + t1);
-        }
-        if t <= t0 || t >= t1 {
-            break;
-        }
-        let f = value(a, t);
-        if f == 0.0 {
-            return t;
-        }
-        if f * fb > 0.0 {
-            (t1, fb) = (t, f);
-            if side == 1 {
-                fa *= 0.5;
+
+    /// The product of both.
+    pub fn times(&self, other: &Self) -> Self {
+        let (m, n) = (self.count - 1, other.count - 1);
+        let mut out: Self = (0..=m + n).map(|_| 0.0).collect();
+        let mut outer = 1.0;
+        for (i, x) in self.terms().iter().enumerate() {
+            let mut inner = outer;
+            for (j, y) in other.terms().iter().enumerate() {
+                out.terms[i + j] += inner * x * y;
+                inner *= (n - j) as f64 / (j + 1) as f64;
             }
-            side = 1;
-        } else {
-            (t0, fa) = (t, f);
-            if side == -1 {
-                fb *= 0.5;
-            }
-            side = -1;
+            outer *= (m - i) as f64 / (i + 1) as f64;
         }
-        if t1 - t0 <= 1e-16 {
-            break;
+        let mut all = 1.0;
+        for k in 0..=m + n {
+            out.terms[k] /= all;
+            all *= (m + n - k) as f64 / (k + 1) as f64;
+        }
+        out
+    }
+
+    /// Adds so many times another of the same degree.
+    pub fn add(&mut self, factor: f64, other: &Self) {
+        for (x, y) in self.terms.iter_mut().zip(other.terms()) {
+            *x += factor * y;
         }
     }
-    0.5 * (t0 + t1)
+
+    /// The derivative.
+    pub fn derivative(&self) -> Self {
+        let d = (self.count - 1) as f64;
+        match self.count {
+            1 => [0.0].into_iter().collect(),
+            _ => self.terms().windows(2).map(|w| d * (w[1] - w[0])).collect(),
+        }
+    }
+
+    /// At t.
+    pub fn value(&self, t: f64) -> f64 {
+        let mut work = self.terms;
+        for round in 1..self.count {
+            for i in 0..self.count - round {
+                work[i] = work[i] * (1.0 - t) + work[i + 1] * t;
+            }
+        }
+        work[0]
+    }
+
+    /// On both halves of [0, 1].
+    pub fn halves(&self) -> [Self; 2] {
+        let (mut low, mut high) = (*self, *self);
+        for round in 0..self.count {
+            low.terms[round] = high.terms[0];
+            for i in 0..self.count - 1 - round {
+                high.terms[i] = 0.5 * (high.terms[i] + high.terms[i + 1]);
+            }
+        }
+        [low, high]
+    }
+
+    /// How often the coefficients change sign, those within `noise` of 0 passed over: no fewer than its roots.
+    pub fn variations(&self, noise: f64) -> usize {
+        let mut last = 0.0;
+        let mut count = 0;
+        for &x in self.terms().iter().filter(|x| x.abs() > noise) {
+            count += usize::from(last * x < 0.0);
+            last = x.signum();
+        }
+        count
+    }
+
+    /// Where it changes sign within (0, 1), ascending. Two changes nearer to each other than 1e-6 may be passed over.
+    pub fn sign_changes(&self) -> Vec<f64> {
+        let noise = 1e-13 * self.most();
+        let mut found = Vec::new();
+        let mut waiting = vec![(*self, 0.0, 1.0, 0)];
+        while let Some((part, t0, t1, depth)) = waiting.pop() {
+            let changes = part.variations(noise);
+            if changes == 0 || (depth > 20 && changes.is_multiple_of(2)) {
+                continue;
+            }
+            let clear = part.ends().iter().all(|x| x.abs() > noise);
+            if changes == 1 && clear || depth > 20 {
+                found.push(t0 + (t1 - t0) * part.root());
+                continue;
+            }
+            let middle = 0.5 * (t0 + t1);
+            let [low, high] = part.halves();
+            let on = high.terms[0].abs() <= noise;
+            if on && low.variations(noise) + high.variations(noise) < changes {
+                found.push(middle);
+            }
+            waiting.push((high, middle, t1, depth + 1));
+            waiting.push((low, t0, middle, depth + 1));
+        }
+        found.sort_unstable_by(f64::total_cmp);
+        found
+    }
+
+    /// The root, where the values at 0 and 1 differ in sign; the nearer end where they do not.
+    pub fn root(&self) -> f64 {
+        let [mut fa, mut fb] = self.ends();
+        if fa * fb > 0.0 {
+            return if fa.abs() < fb.abs() { 0.0 } else { 1.0 };
+        }
+        if fa == 0.0 {
+            return 0.0;
+        }
+        if self.count == 2 {
+            return fa / (fa - fb);
+        }
+        // The secant of Illinois, halving where it is slow.
+        let (mut t0, mut t1, mut side) = (0.0, 1.0, 0);
+        for k in 0..100 {
+            let mut t = (t0 * fb - t1 * fa) / (fb - fa);
+            if k % 4 == 3 || !(t > t0 && t < t1) {
+                t = 0.5 * (t0 + t1);
+            }
+            if t <= t0 || t >= t1 {
+                break;
+            }
+            let f = self.value(t);
+            if f == 0.0 {
+                return t;
+            }
+            if f * fb > 0.0 {
+                (t1, fb) = (t, f);
+                fa *= if side == 1 { 0.5 } else { 1.0 };
+                side = 1;
+            } else {
+                (t0, fa) = (t, f);
+                fb *= if side == -1 { 0.5 } else { 1.0 };
+                side = -1;
+            }
+        }
+        0.5 * (t0 + t1)
+    }
 }

@@ -1,6 +1,6 @@
 //! The parameter plane of a carrier, as loops see it: how a point of a curve is mapped, periods, where v is cut.
 
-use super::bezier::{self, Homogeneous};
+use super::bezier::{self, Homogeneous, Polynomial};
 use super::carrier::{Axes, Carrier};
 use crate::math::Point3;
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -113,29 +113,24 @@ impl Chart {
     }
 
     /// The polynomial whose sign says on which side of a line u = const the curve is, positive above.
-    pub fn beside(&self, points: &[Homogeneous], u: f64) -> impl Iterator<Item = f64> {
-        let (sin, cos) = match self.map {
-            Map::Flat => (0.0, 0.0),
-            _ => libm::sincos(u + self.origin[0]),
-        };
+    pub fn beside(&self, points: &[Homogeneous], u: f64) -> Polynomial {
         let u = u + self.origin[0];
+        let (sin, cos) = libm::sincos(u);
         let flat = self.is_flat();
-        points.iter().map(move |h| match flat {
+        let side = |h: &Homogeneous| match flat {
             true => h[0] - u * h[3],
             false => cos * h[1] - sin * h[0],
-        })
+        };
+        points.iter().map(side).collect()
     }
 
     /// The polynomial whose sign is that of du/dt.
-    pub fn progress(&self, points: &[Homogeneous]) -> Vec<f64> {
-        let row = |k: usize| points.iter().map(|h| h[k]).collect::<Vec<_>>();
-        let (a, b) = match self.is_flat() {
-            true => (row(3), row(0)),
-            false => (row(0), row(1)),
-        };
-        let (da, db) = (bezier::derivative(&a), bezier::derivative(&b));
-        let (forth, back) = (bezier::product(&a, &db), bezier::product(&da, &b));
-        forth.iter().zip(&back).map(|(x, y)| x - y).collect()
+    pub fn progress(&self, points: &[Homogeneous]) -> Polynomial {
+        let [a, b] = if self.is_flat() { [3, 0] } else { [0, 1] };
+        let [a, b] = [a, b].map(|k| Polynomial::of(points, k));
+        let mut forth = a.times(&b.derivative());
+        forth.add(-1.0, &a.derivative().times(&b));
+        forth
     }
 
     /// A whole turn of u, or what a step of u may be: where less is sure to be the shorter way round.

@@ -1,6 +1,6 @@
 //! Edges in space: pieces of curves as chains of rational Bézier segments, and their closest points.
 
-use super::bezier::{self, Homogeneous, MOST_DEGREE};
+use super::bezier::{self, Homogeneous, Polynomial};
 use super::brep::BrepCurve;
 use super::carrier::Axes;
 use crate::math::{Point3, Vector3};
@@ -39,9 +39,6 @@ pub(super) struct OnCurve {
 /// Why an edge cannot be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CurveProblem {
-    /// Of a B-spline.
-    #[error("its curve has degree {0}; at most {MOST_DEGREE} is read")]
-    Degree(usize),
     /// Two vertices at one place of an open curve.
     #[error("both its ends are at one place of a curve that is not closed")]
     Empty,
@@ -148,7 +145,7 @@ impl EdgeCurve {
         [first, last]: [&Point3; 2],
         closed: bool,
     ) -> Result<Self, CurveProblem> {
-        let (degree, mut points) = segments(curve)?;
+        let (degree, mut points) = segments(curve);
         if !along {
             points.reverse();
         }
@@ -340,75 +337,67 @@ fn circle_place(angle: f64, sweep: f64, count: usize) -> (usize, f64) {
 /// The nearest place of a segment that is nearer than the root of `ceiling`, and its squared distance.
 ///
 /// The derivative of the squared distance is a polynomial over a positive one. Where its Bernstein coefficients change
-/// sign once at most, there is one minimum at most; else the part is halved. Parts whose control points' box is
-/// farther than the best are passed over.
+/// sign once at most, there is one minimum at most; else the part is halved.
 fn closest_of_segment(points: &[Homogeneous], q: &Point3, ceiling: f64) -> Option<(f64, f64)> {
     if box_squared(points, q) >= ceiling {
         return None;
     }
-    let away = |h: &Homogeneous| [h[0] - q.x * h[3], h[1] - q.y * h[3], h[2] - q.z * h[3]];
-    let coordinates: [Vec<f64>; 3] =
-        std::array::from_fn(|k| points.iter().map(|h| away(h)[k]).collect());
-    let weights: Vec<f64> = points.iter().map(|h| h[3]).collect();
-    let mut turn = vec![
-        0.0;
-        if weights.iter().all(|&w| w == 1.0) {
-            2 * points.len() - 2
-        } else {
-            3 * points.len() - 3
-        }
-    ];
-    let rational = turn.len() != 2 * points.len() - 2;
-    for n in &coordinates {
-        let slope = bezier::derivative(n);
-        let term = bezier::product(n, &slope);
-        match rational {
-            false => turn.iter_mut().zip(&term).for_each(|(t, x)| *t += x),
-            true => {
-                let a = bezier::product(&term, &weights);
-                let b = bezier::product(&bezier::product(n, n), &bezier::derivative(&weights));
-                for (t, (x, y)) in turn.iter_mut().zip(a.iter().zip(&b)) {
-                    *t += x - y;
-                }
-            }
-        }
-    }
-    let noise = 1e-14 * turn.iter().fold(0.0f64, |m, x| m.max(x.abs()));
-    let squared = |t: f64| (bezier::point(points, t) - q).norm_squared();
-    let mut best = ceiling;
-    let mut place = None;
-    let mut offer = |t: f64, best: &mut f64| {
-        let d = squared(t);
-        if d < *best {
-            (*best, place) = (d, Some(t));
+    let turn = turning(points, q);
+    let noise = 1e-14 * turn.most();
+    let mut best = (None, ceiling);
+    let mut offer = |t: f64, best: &mut (Option<f64>, f64)| {
+        let squared = (bezier::point(points, t) - q).norm_squared();
+        if squared < best.1 {
+            *best = (Some(t), squared);
         }
     };
-    let mut waiting = vec![(turn, 0.0, 1.0)];
-    while let Some((part, t0, t1)) = waiting.pop() {
-        let changes = bezier::variations(&part, noise);
-        let (first, last) = (part[0], part[part.len() - 1]);
-        if changes <= 1 || t1 - t0 < 1e-9 {
-            if t0 == 0.0 {
-                offer(0.0, &mut best);
-            }
-            if t1 == 1.0 {
-                offer(1.0, &mut best);
+    let mut waiting = [(turn, 0.0, 1.0); MOST_WAITING];
+    let mut count = 1;
+    while count > 0 {
+        count -= 1;
+        let (part, t0, t1) = waiting[count];
+        let changes = part.variations(noise);
+        if changes <= 1 || count + 2 > MOST_WAITING {
+            let [first, last] = part.ends();
+            for t in [t0, t1].into_iter().filter(|&t| t == 0.0 || t == 1.0) {
+                offer(t, &mut best);
             }
             if first <= noise && last >= -noise {
-                offer(t0 + (t1 - t0) * bezier::root(&part), &mut best);
+                offer(t0 + (t1 - t0) * part.root(), &mut best);
             }
-            continue;
-        }
-        if t1 - t0 < 0.3 && box_squared(&bezier::between(points, [t0, t1]), q) >= best {
             continue;
         }
         let middle = 0.5 * (t0 + t1);
-        let (mut low, mut high) = (part.clone(), part);
-        bezier::halve(&mut low, &mut high);
-        waiting.push((high, middle, t1));
-        waiting.push((low, t0, middle));
+        let [low, high] = part.halves();
+        waiting[count] = (high, middle, t1);
+        waiting[count + 1] = (low, t0, middle);
+        count += 2;
     }
-    place.map(|t| (t, best))
+    best.0.map(|t| (t, best.1))
+}
+
+/// Parts of a segment that wait at once: each is half as long as the one before.
+const MOST_WAITING: usize = 32;
+
+/// Half the derivative of the squared distance to a point, times a power of the weight.
+fn turning(points: &[Homogeneous], q: &Point3) -> Polynomial {
+    let weight = Polynomial::of(points, 3);
+    let rational = points.iter().any(|h| h[3] != 1.0);
+    let mut all: Option<Polynomial> = None;
+    for k in 0..3 {
+        let mut away = Polynomial::of(points, k);
+        away.add(-q[k], &weight);
+        let mut term = away.times(&away.derivative());
+        if rational {
+            term = term.times(&weight);
+            term.add(-1.0, &away.times(&away).times(&weight.derivative()));
+        }
+        match &mut all {
+            Some(all) => all.add(1.0, &term),
+            None => all = Some(term),
+        }
+    }
+    all.unwrap_or(weight)
 }
 
 /// Squared distance from a point to the box around control points, m².
@@ -492,12 +481,9 @@ fn conic(
 }
 
 /// The Bézier segments of a B-spline, and their degree.
-fn segments(curve: &Curve) -> Result<(usize, Vec<Homogeneous>), CurveProblem> {
+fn segments(curve: &Curve) -> (usize, Vec<Homogeneous>) {
     let knots = curve.knots();
     let degree = knots.degree();
-    if degree > MOST_DEGREE {
-        return Err(CurveProblem::Degree(degree));
-    }
     let count = curve.points().len();
     let at = |k: usize| {
         weighted(
@@ -520,5 +506,5 @@ fn segments(curve: &Curve) -> Result<(usize, Vec<Homogeneous>), CurveProblem> {
             points.push(h);
         }
     }
-    Ok((degree, points))
+    (degree, points)
 }

@@ -201,7 +201,7 @@ impl Walk<'_> {
                 false => h[0] * h[0] + h[1] * h[1],
             };
             let v = super::chart::lifted(v, self.v, chart.periods[1]);
-            f(u, v) * bezier::value(&progress, t) / over
+            f(u, v) * progress.value(t) / over
         };
         half * rule.iter().map(|&(x, w)| w * at(x)).sum::<f64>()
     }

@@ -446,11 +446,7 @@ impl Trim {
 
     /// Where a monotone segment has a u; the nearer end where it has not.
     fn parameter(&self, points: &[Homogeneous], u: f64) -> f64 {
-        let mut beside = [0.0; bezier::MOST_DEGREE + 1];
-        for (b, x) in beside.iter_mut().zip(self.chart.beside(points, u)) {
-            *b = x;
-        }
-        bezier::root(&beside[..points.len()])
+        self.chart.beside(points, u).root()
     }
 
     /// The base for which the left of the arcs is inside.
@@ -518,7 +514,7 @@ fn drafts(chart: &Chart, chain: &[Piece], size: f64) -> Vec<Draft> {
     for piece in chain {
         for points in at_poles(chart, &piece.points, size) {
             let mut from = 0.0;
-            let turns = bezier::sign_changes(&chart.progress(&points));
+            let turns = chart.progress(&points).sign_changes();
             for to in turns.into_iter().chain([1.0]) {
                 if to - from > 1e-12 {
                     short(
