@@ -8,7 +8,7 @@
 
 use crate::basis::{KnotError, KnotVector, MAX_DEGREE};
 use crate::math::Point3;
-use crate::surface::{ControlNet, Loaded, SAME_POINT, Surface, SurfaceError};
+use crate::surface::{ControlNet, Curve, CurveError, Loaded, SAME_POINT, Surface, SurfaceError};
 
 /// Why values of a file make no surface, or a surface no file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -49,6 +49,9 @@ pub enum SplineError {
     /// Values that make no surface.
     #[error(transparent)]
     Surface(#[from] SurfaceError),
+    /// Values that make no curve.
+    #[error(transparent)]
+    Curve(#[from] CurveError),
 }
 
 /// Distinct knots with their multiplicities: never more numbers than the file has.
@@ -63,6 +66,40 @@ pub(super) struct FileSurface {
     pub columns: usize,
     pub points: Vec<Point3>,
     pub weights: Option<Vec<f64>>,
+}
+
+/// A curve as a file has it; points in metres.
+#[derive(Debug)]
+pub(super) struct FileCurve {
+    pub degree: usize,
+    pub knots: Runs,
+    pub points: Vec<Point3>,
+    pub weights: Option<Vec<f64>>,
+}
+
+impl FileCurve {
+    /// Our curve: the same points at the same parameters.
+    pub fn build(self) -> Result<Curve, SplineError> {
+        let count = self.points.len();
+        if let Some(weights) = self.weights.as_ref().filter(|w| w.len() != count) {
+            return Err(CurveError::WeightCount {
+                weights: weights.len(),
+                points: count,
+            }
+            .into());
+        }
+        let far_m = |p: &Point3| (p - self.points[0]).norm();
+        let tolerance = SAME_POINT * self.points.iter().map(far_m).fold(0.0, f64::max);
+        let same = |a: usize, b: usize| {
+            (self.points[a] - self.points[b]).norm() <= tolerance
+                && (self.weights.as_ref())
+                    .is_none_or(|w| (w[a] - w[b]).abs() <= SAME_POINT * w[a].abs())
+        };
+        let axis = axis('t', self.degree, count, &self.knots, same)?;
+        let points = axis.rows.iter().map(|&k| self.points[k]).collect();
+        let weights = (self.weights.as_ref()).map(|w| axis.rows.iter().map(|&k| w[k]).collect());
+        Ok(Curve::new(axis.knots, points, weights)?)
+    }
 }
 
 /// A direction of the net: its knots, and which row of the file each row of ours is.

@@ -14,18 +14,26 @@
 //! depth the file chooses. What is needed is small: an index of where each instance is, and a
 //! reader for the few that make the surface.
 
+mod assembly;
+mod carriers;
+mod curves;
+mod entity;
 mod faces;
+mod part;
 mod placement;
 mod surface;
 mod syntax;
+mod topology;
 mod units;
 mod write;
 
+pub use part::{ImportedPart, PartLeftOut, PartPick, PlacedSolid, read_part};
 pub use write::write;
 
 use super::spline::SplineError;
 use super::{Imported, Pick};
 use crate::math::Pose;
+use crate::part::OutOfRange;
 use crate::surface::{Loaded, SurfaceError};
 use syntax::Exchange;
 
@@ -110,6 +118,101 @@ pub enum StepError {
         /// What is wrong.
         source: SurfaceError,
     },
+    /// An entity that cannot be taken over.
+    #[error("#{id}: {entity} is not read: {why}")]
+    Unreadable {
+        /// Number of the instance (`#id`) in the file.
+        id: u64,
+        /// Its name.
+        entity: String,
+        /// Why, or what would help.
+        why: &'static str,
+    },
+    /// A number that cannot be.
+    #[error("#{id}: {what} is {value}; it should be {wanted}")]
+    Value {
+        /// Number of the instance (`#id`) in the file.
+        id: u64,
+        /// Entity and attribute.
+        what: String,
+        /// As given.
+        value: f64,
+        /// What may stand there.
+        wanted: &'static str,
+    },
+    /// Edges that do not meet.
+    #[error(
+        "#{id}: the loop is open by {gap_m:.3e} m behind edge #{edge}, more than {allowed_m:.3e} m: mend the part where the \
+         file comes from"
+    )]
+    OpenLoop {
+        /// Number of the loop (`#id`) in the file.
+        id: u64,
+        /// The edge that ends there.
+        edge: u64,
+        /// How far the next one starts from its end.
+        gap_m: f64,
+        /// How far it may.
+        allowed_m: f64,
+    },
+    /// No unit of length.
+    #[error("#{id}: its context names no unit of length; set one where the file comes from")]
+    NoLengthUnit {
+        /// Number of the representation, the context or the solid (`#id`) in the file.
+        id: u64,
+    },
+    /// No part of that name.
+    #[error("no part is called \"{name}\"; there {}", match names.as_slice() {
+        [] => "are no names".to_owned(),
+        names => format!("are: {}", names.join(", ")),
+    })]
+    NoPart {
+        /// What was asked for.
+        name: String,
+        /// Those that have solids.
+        names: Vec<String>,
+    },
+    /// Not that many places.
+    #[error("no place {instance} (from 0); the part has {count} of them")]
+    NoInstance {
+        /// What was asked for.
+        instance: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// No solid or sheet.
+    #[error(
+        "no solid or sheet with faces among the file's {instances} instances; left out: {left_out}"
+    )]
+    NoFaces {
+        /// How many instances there are.
+        instances: usize,
+        /// What the file has instead.
+        left_out: String,
+    },
+    /// More than fits.
+    #[error("more than {most} {what}: pick one part of the assembly")]
+    TooMany {
+        /// The limit.
+        most: usize,
+        /// Of what.
+        what: &'static str,
+    },
+    /// The same things again and again.
+    #[error("#{id}: solids share so much that the file would be read more than 64 times")]
+    TooOften {
+        /// Number of the instance (`#id`) where it was stopped.
+        id: u64,
+    },
+    /// An assembly inside itself.
+    #[error("#{id}: the assembly contains itself")]
+    Cycle {
+        /// Number of a representation (`#id`) in the file.
+        id: u64,
+    },
+    /// An assembly that leads out of the range of lengths.
+    #[error(transparent)]
+    OutOfRange(#[from] OutOfRange),
     /// A length unit that is not a length.
     #[error("#{id}: the length unit is {metres} m; it should be above 0 and finite")]
     Unit {

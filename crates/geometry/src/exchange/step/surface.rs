@@ -320,19 +320,19 @@ fn runs(
         .collect()
 }
 
-/// The knots that the forms without any imply; ISO 10303-42, §4.4.40 ff.
-fn implied(form: &str, degree: usize, count: usize) -> Runs {
+/// The knots that the forms without any imply, of surfaces and of curves; ISO 10303-42, §4.4.40 ff.
+pub(super) fn implied(form: &str, degree: usize, count: usize) -> Runs {
     if degree == 0 || degree > MAX_DEGREE || count <= degree {
         // Refused for its degree or its net, whatever the knots.
         return Vec::new();
     }
     let ends = degree as u64 + 1;
-    let spans = if form == "BEZIER_SURFACE" {
+    let spans = if form.starts_with("BEZIER") {
         1
     } else {
         count - degree
     };
-    if form == "UNIFORM_SURFACE" {
+    if form.starts_with("UNIFORM") {
         return (0..count + degree + 1)
             .map(|k| (k as f64 - degree as f64, 1))
             .collect();

@@ -127,6 +127,11 @@ impl<'a> Exchange<'a> {
         Ok(Self { bytes, instances })
     }
 
+    /// The file's length, bytes.
+    pub fn size(&self) -> usize {
+        self.bytes.len()
+    }
+
     /// All instances, ids ascending.
     pub fn instances(&self) -> &[Instance] {
         &self.instances

@@ -1,10 +1,14 @@
-//! The length unit that a surface's coordinates are in: that of the nearest context above it. ISO
+//! Contexts: the units of length and plane angle that numbers are in, and how far what should meet may be apart. ISO
 //! 10303-41.
+//!
+//! A single surface is in the unit of the nearest context above it; what a part is made of in that of its
+//! representation.
 
 use super::StepError;
 use super::syntax::{Exchange, Record, Value};
 pub(super) use crate::exchange::LengthUnit as Unit;
 use std::collections::{BTreeMap, BTreeSet};
+use std::f64::consts::PI;
 
 /// Units defined by units; one by another is all that is in use.
 const MAX_CONVERSIONS: usize = 4;
@@ -13,6 +17,103 @@ const MAX_CONVERSIONS: usize = 4;
 const MAX_TEXT: usize = 512;
 
 const CONTEXT: &str = "GLOBAL_UNIT_ASSIGNED_CONTEXT";
+
+/// The first context of the file that names a unit of length, for solids that no representation lists.
+///
+/// # Errors
+/// There is none, or it cannot be read.
+pub(super) fn any_context(exchange: &Exchange<'_>, solid: u64) -> Result<Context, StepError> {
+    let may_be = |text: &[u8]| text.windows(CONTEXT.len()).any(|w| w == CONTEXT.as_bytes());
+    for instance in exchange.instances() {
+        if may_be(exchange.text(instance)) {
+            match context(exchange, instance.id, instance.id) {
+                Err(StepError::NoLengthUnit { .. }) => {}
+                other => return other,
+            }
+        }
+    }
+    Err(StepError::NoLengthUnit { id: solid })
+}
+
+const UNCERTAINTY: &str = "GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT";
+
+/// What is measured: its SI unit, and the entity that says so of other units.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Quantity {
+    Length,
+    Angle,
+}
+
+impl Quantity {
+    fn si(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Length => ("METRE", "m"),
+            Self::Angle => ("RADIAN", "rad"),
+        }
+    }
+
+    fn entity(self) -> &'static str {
+        match self {
+            Self::Length => "LENGTH_UNIT",
+            Self::Angle => "PLANE_ANGLE_UNIT",
+        }
+    }
+}
+
+/// What the numbers of a representation mean.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Context {
+    pub length: Unit,
+    /// Its unit of plane angles, rad.
+    pub angle_rad: f64,
+    /// 0 where it states none, m.
+    pub uncertainty_m: f64,
+}
+
+/// The context `id`. Angles are in radians where it names no unit for them.
+///
+/// # Errors
+/// No unit of length, or units that cannot be read.
+pub(super) fn context(exchange: &Exchange<'_>, id: u64, from: u64) -> Result<Context, StepError> {
+    let mut units = Units {
+        exchange,
+        known: BTreeMap::new(),
+    };
+    let records = exchange.records(exchange.find(id, from)?)?;
+    let length = units.of_context(id, &records, Quantity::Length)?;
+    let length = length.ok_or(StepError::NoLengthUnit { id })?;
+    let angle = units.of_context(id, &records, Quantity::Angle)?;
+    let angle_rad = angle.map_or(1.0, |unit| {
+        // Files round it; what they were written from did not.
+        let degree = PI / 180.0;
+        if (unit.metres() / degree - 1.0).abs() < 1e-6 {
+            degree
+        } else {
+            unit.metres()
+        }
+    });
+    let mut uncertainty_m: f64 = 0.0;
+    let stated = records.iter().find(|record| record.name == UNCERTAINTY);
+    if let Some(Value::List(measures)) = stated.and_then(|record| record.arguments.last()) {
+        for measure in measures {
+            if let Value::Reference(measure) = measure
+                && let Some((value, unit)) = units.measure(*measure, id)?
+                && let Some(unit) = units.unit(unit, *measure, 0, Quantity::Length)?
+            {
+                uncertainty_m = uncertainty_m.max(unit.to_metres(value));
+            }
+        }
+    }
+    Ok(Context {
+        length,
+        angle_rad,
+        uncertainty_m: if uncertainty_m.is_finite() {
+            uncertainty_m
+        } else {
+            0.0
+        },
+    })
+}
 
 /// The unit of the context above `surface`; of the only one in the file; millimetres, which STEP
 /// files are in unless they say something else.
@@ -34,7 +135,7 @@ pub(super) fn length_unit(exchange: &Exchange<'_>, surface: u64) -> Result<Unit,
             continue;
         }
         let records = exchange.records(instance)?;
-        if let Some(unit) = units.of_context(instance.id, &records)? {
+        if let Some(unit) = units.of_context(instance.id, &records, Quantity::Length)? {
             contexts.push((instance.id, unit));
         }
     }
@@ -90,19 +191,24 @@ fn context_above(exchange: &Exchange<'_>, surface: u64, contexts: &BTreeSet<u64>
 /// Units by instance, each looked at once: many contexts may share one.
 struct Units<'a, 'b> {
     exchange: &'b Exchange<'a>,
-    known: BTreeMap<u64, Option<Unit>>,
+    known: BTreeMap<(Quantity, u64), Option<Unit>>,
 }
 
 impl Units<'_, '_> {
-    /// The length unit among those of a context.
-    fn of_context(&mut self, id: u64, records: &[Record<'_>]) -> Result<Option<Unit>, StepError> {
+    /// The unit of a quantity among those of a context.
+    fn of_context(
+        &mut self,
+        id: u64,
+        records: &[Record<'_>],
+        quantity: Quantity,
+    ) -> Result<Option<Unit>, StepError> {
         let context = records.iter().find(|record| record.name == CONTEXT);
         let Some(Value::List(units)) = context.and_then(|record| record.arguments.last()) else {
             return Ok(None);
         };
         for unit in units {
             if let Value::Reference(unit) = unit
-                && let Some(found) = self.length(*unit, id, 0)?
+                && let Some(found) = self.unit(*unit, id, 0, quantity)?
             {
                 return Ok(Some(found));
             }
@@ -110,13 +216,19 @@ impl Units<'_, '_> {
         Ok(None)
     }
 
-    /// The length that an instance is; `None` for an angle, or an instance that is not a unit.
-    fn length(&mut self, id: u64, from: u64, depth: usize) -> Result<Option<Unit>, StepError> {
-        if let Some(known) = self.known.get(&id) {
+    /// What an instance is as a unit of a quantity; `None` for one of another, or an instance that is not a unit.
+    fn unit(
+        &mut self,
+        id: u64,
+        from: u64,
+        depth: usize,
+        quantity: Quantity,
+    ) -> Result<Option<Unit>, StepError> {
+        if let Some(known) = self.known.get(&(quantity, id)) {
             return Ok(known.clone());
         }
-        let unit = self.read(id, from, depth)?;
-        self.known.insert(id, unit.clone());
+        let unit = self.read(id, from, depth, quantity)?;
+        self.known.insert((quantity, id), unit.clone());
         Ok(unit)
     }
 
@@ -130,7 +242,30 @@ impl Units<'_, '_> {
         }
     }
 
-    fn read(&mut self, id: u64, from: u64, depth: usize) -> Result<Option<Unit>, StepError> {
+    /// A number and its unit. Plain LENGTH_MEASURE_WITH_UNIT, or the complex form with MEASURE_WITH_UNIT, or an
+    /// uncertainty with its names behind.
+    fn measure(&self, id: u64, from: u64) -> Result<Option<(f64, u64)>, StepError> {
+        let records = self.records(id, from)?;
+        let found = records
+            .iter()
+            .find_map(|record| match record.arguments.as_slice() {
+                [Value::Typed(_, number), Value::Reference(unit), ..] => match number.as_slice() {
+                    [Value::Number(number)] => Some((*number, *unit)),
+                    _ => None,
+                },
+                [Value::Number(number), Value::Reference(unit), ..] => Some((*number, *unit)),
+                _ => None,
+            });
+        Ok(found)
+    }
+
+    fn read(
+        &mut self,
+        id: u64,
+        from: u64,
+        depth: usize,
+        quantity: Quantity,
+    ) -> Result<Option<Unit>, StepError> {
         let records = self.records(id, from)?;
         let part = |name: &str| {
             records
@@ -138,10 +273,13 @@ impl Units<'_, '_> {
                 .find(|record| record.name == name)
                 .map(|record| record.arguments.as_slice())
         };
-        if let Some([.., prefix, Value::Enumeration("METRE")]) = part("SI_UNIT") {
+        let (si, symbol) = quantity.si();
+        if let Some([.., prefix, Value::Enumeration(name)]) = part("SI_UNIT")
+            && *name == si
+        {
             let (what, wanted) = ("SI_UNIT".to_owned(), "with an SI prefix");
             let unit = match prefix {
-                Value::Omitted | Value::Derived => Some(Unit::of_metres("m", 1.0, 1.0)),
+                Value::Omitted | Value::Derived => Some(Unit::of_metres(symbol, 1.0, 1.0)),
                 Value::Enumeration(prefix) => prefixed(prefix),
                 _ => None,
             };
@@ -152,10 +290,10 @@ impl Units<'_, '_> {
                 found: prefix.shown(),
             });
         }
-        // Angles are conversion-based too: only what says that it is a length counts.
+        // Angles are conversion-based as lengths are: only what says which it is counts.
         let (Some(conversion), Some(_), true) = (
             part("CONVERSION_BASED_UNIT"),
-            part("LENGTH_UNIT"),
+            part(quantity.entity()),
             depth < MAX_CONVERSIONS,
         ) else {
             return Ok(None);
@@ -164,21 +302,10 @@ impl Units<'_, '_> {
             return Ok(None);
         };
         let (name, measure) = (String::from_utf8_lossy(name).to_lowercase(), *measure);
-        // Plain LENGTH_MEASURE_WITH_UNIT, or the complex form with MEASURE_WITH_UNIT.
-        let factor_and_base = self.records(measure, id)?.iter().find_map(|record| {
-            match record.arguments.as_slice() {
-                [Value::Typed(_, factor), Value::Reference(base)] => match factor.as_slice() {
-                    [Value::Number(factor)] => Some((*factor, *base)),
-                    _ => None,
-                },
-                [Value::Number(factor), Value::Reference(base)] => Some((*factor, *base)),
-                _ => None,
-            }
-        });
-        let Some((factor, base)) = factor_and_base else {
+        let Some((factor, base)) = self.measure(measure, id)? else {
             return Ok(None);
         };
-        let Some(base) = self.length(base, measure, depth + 1)? else {
+        let Some(base) = self.unit(base, measure, depth + 1, quantity)? else {
             return Ok(None);
         };
         let unit = base.times(&name, factor);
