@@ -148,7 +148,11 @@ fn obj_is_read_in_every_hand() {
             .to_string()
     };
     assert_eq!(
-        told(&plain.replace("1 2 3 4", "1 3 2 4")),
+        told(
+            &plain
+                .replace("0 1 0", "0 3 0")
+                .replace("1 2 3 4", "1 3 2 4")
+        ),
         "face 1 at line 5: its 4 corners make edges that cross or turn back on each other"
     );
     assert_eq!(
