@@ -123,6 +123,9 @@ fn shapes(teeth: usize) -> [Flat; 3] {
 fn simple_polygons_in_any_plane_keep_their_area_and_edges() {
     let mut random = Random(404);
     let mut polygons: Vec<Flat> = (3..12).flat_map(shapes).collect();
+    // As many corners as there may be.
+    let [comb, _, star] = shapes(MOST_EARS / 2 - 2);
+    polygons.extend([comb, star]);
     for count in 4..40 {
         polygons.extend((0..10).map(|_| untangled(&mut random, count)));
     }
