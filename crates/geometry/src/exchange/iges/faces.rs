@@ -1,5 +1,5 @@
 //! What an IGES file says about a surface that is not taken over: the trimming of its face (entities 144, 143, 510) and other
-//! faces. IGES 5.3, §4.34 (144), §4.33 (143), §4.31 (142), §4.30 (141), §4.151 (510), §4.150 (508), §4.149 (504).
+//! faces; IGES 5.3, chapter 4, under these numbers.
 //!
 //! A boundary names its curves in the surface's parameters or in space; a curve may be composed (102) of lines (110), arcs
 //! (100), polylines (106) and B-splines (126). Points on it that are not at the edge of the surface mean that a part is cut
