@@ -4,7 +4,8 @@ use super::Outcome;
 use super::make::{UnitName, write};
 use crate::cli::waiting::Waiting;
 use anyhow::Context as _;
-use palpate_geometry::exchange::{Format, read_mesh, read_points, write_surface};
+use palpate_geometry::exchange::{ExchangeError, Format, MeshFileError};
+use palpate_geometry::exchange::{read_mesh, read_points, write_surface};
 use palpate_geometry::math::Point3;
 use palpate_geometry::surface::file::Unit;
 use palpate_geometry::surface::{
@@ -141,7 +142,10 @@ impl Input {
         // An OBJ or PLY file may have points only.
         let mesh = match format {
             Format::Stl | Format::Glb => Some(read_mesh(&bytes, format, unit).with_context(name)?),
-            Format::Obj | Format::Ply => read_mesh(&bytes, format, unit).ok(),
+            Format::Obj | Format::Ply => match read_mesh(&bytes, format, unit) {
+                Err(ExchangeError::Mesh(MeshFileError::Empty(_))) => None,
+                read => Some(read.with_context(name)?),
+            },
             _ => None,
         };
         let _waiting = Waiting::begin(&format!("reading the triangles of {}", path.display()));

@@ -4,14 +4,16 @@
 //! 80-column lines ── sections: start, global, directory, parameters ──▶ read: one entity 128, its matrices 124, the
 //!                                                                       unit of the global section ──▶ FileSurface
 //! ```
-//! The surface is taken whole: trimming (entities 142, 144) and other faces are left out, which
-//! [`Imported::left_out`] says; parameter ranges
+//! The surface is taken whole, where what takes it over puts it: matrices of its face and solid (124) and a single place of its
+//! subfigure (408) apply. Trimming (entities 144, 143, 510), what else is made of it (offsets, say), other faces and several
+//! places are left out, which [`Imported::left_out`] says; parameter ranges
 //! (the entity's last four values) that cut it are refused, since the surface would be larger than
 //! what the file means.
 
 mod faces;
 mod read;
 mod sections;
+mod uses;
 mod write;
 
 pub use write::write;
@@ -20,6 +22,7 @@ use super::spline::SplineError;
 use super::{Imported, Pick};
 use crate::surface::Loaded;
 use sections::File;
+use uses::Uses;
 
 /// Why an IGES file was refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -55,7 +58,7 @@ pub enum IgesError {
         "entity {kind} at directory entry {id}: parameter {index} ({what}) should be {wanted}, but is {found}"
     )]
     Parameter {
-        /// 128 or 124.
+        /// 128, 124 or 408.
         kind: u32,
         /// First line of its directory entry, as the D column numbers it.
         id: u64,
@@ -71,7 +74,7 @@ pub enum IgesError {
     /// Parameters that are not there.
     #[error("entity {kind} at directory entry {id} has {given} parameters; it needs {needed}")]
     Few {
-        /// 128 or 124.
+        /// 128, 124 or 408.
         kind: u32,
         /// Directory entry.
         id: u64,
@@ -162,8 +165,9 @@ pub fn read(bytes: &[u8], pick: Pick) -> Result<Imported, IgesError> {
     let Some(id) = pick.among(&ids) else {
         return Err(IgesError::NoSuch { pick, ids });
     };
-    let unit = file.unit()?;
-    let (values, ranges) = read::surface(&file, id, &unit)?;
+    let entry = file.entry(id).ok_or(IgesError::NoSurface(file.count()))?;
+    let (unit, uses) = (file.unit()?, Uses::of(&file, entry));
+    let (values, ranges) = read::surface(&file, &uses.chain, &unit)?;
     let Loaded { surface, merged } = values
         .build()
         .map_err(|source| IgesError::Spline { id, source })?;
@@ -190,7 +194,7 @@ pub fn read(bytes: &[u8], pick: Pick) -> Result<Imported, IgesError> {
         }
     }
     let surface = surface.oriented_outward();
-    let left_out = faces::left_out(&file, id, &ids, &surface, &unit);
+    let left_out = faces::left_out(&file, &uses, &ids, &surface, &unit);
     Ok(Imported {
         surface,
         merged,
@@ -203,3 +207,5 @@ pub fn read(bytes: &[u8], pick: Pick) -> Result<Imported, IgesError> {
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod uses_tests;

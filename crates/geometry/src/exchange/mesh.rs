@@ -8,6 +8,7 @@ mod glb_read;
 mod obj;
 mod ply;
 mod points;
+mod polygon;
 mod stl;
 
 pub use glb::write as write_glb;
@@ -15,6 +16,7 @@ pub use glb_read::read as read_glb;
 pub use obj::{read as read_obj, read_points as read_obj_points, write as write_obj};
 pub use ply::{read as read_ply, read_points as read_ply_points};
 pub use points::read as read_text_points;
+pub use polygon::Flaw;
 pub use stl::{read as read_stl, write as write_stl, write_ascii as write_stl_ascii};
 
 use crate::math::{MOST_COORDINATE_M, Point3, first_outside};
@@ -54,6 +56,29 @@ pub enum MeshFileError {
         /// The value given.
         value: f64,
     },
+    /// A face that is no polygon.
+    #[error("face {face}{}: its {corners} corners {flaw}", at_line(*line))]
+    Polygon {
+        /// Which one, from 1.
+        face: usize,
+        /// Line, from 1, in files that have lines.
+        line: Option<usize>,
+        /// Corners it has.
+        corners: usize,
+        /// What is wrong with it.
+        flaw: Flaw,
+    },
+    /// Faces of a kind that is not read: the shape would lack them.
+    #[error("line {line}: faces of this kind (`{keyword}`) are not read; convert them to polygons")]
+    Faces {
+        /// Line, from 1.
+        line: usize,
+        /// What the line begins with.
+        keyword: &'static str,
+    },
+    /// Text with two bytes a letter.
+    #[error("the file is text in UTF-16; save it as UTF-8 or ASCII")]
+    Wide,
     /// More than the format's counters hold.
     #[error("{count} {what} are more than the format can count")]
     Many {
@@ -62,9 +87,9 @@ pub enum MeshFileError {
         /// Number given.
         count: usize,
     },
-    /// A binary file whose length is not that of its triangles.
+    /// A binary file whose length is not that of its triangles, up to some filling.
     #[error(
-        "not a binary STL file: {triangles} triangles, as its header says, need {needed} bytes, not {bytes}"
+        "not an STL file: it is no text, and as binary, {triangles} triangles, as its header says, need {needed} bytes, not {bytes}"
     )]
     Length {
         /// Bytes of the file.
@@ -147,11 +172,33 @@ fn check(mesh: &Mesh) -> Result<(), MeshFileError> {
     Ok(())
 }
 
+fn at_line(line: Option<usize>) -> String {
+    line.map(|line| format!(" at line {line}"))
+        .unwrap_or_default()
+}
+
+/// A text without the mark of its encoding that some programs put before it.
+fn plain(bytes: &[u8]) -> Result<&[u8], MeshFileError> {
+    if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
+        return Err(MeshFileError::Wide);
+    }
+    Ok(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes))
+}
+
+/// What ends the lines of a text: a line feed, or, where there is none before a return, that.
+fn line_end(text: &[u8]) -> u8 {
+    match text.iter().position(|byte| matches!(byte, b'\n' | b'\r')) {
+        Some(at) if text[at] == b'\r' && text.get(at + 1) != Some(&b'\n') => b'\r',
+        _ => b'\n',
+    }
+}
+
 /// Lines of a text with their numbers. Bytes that are not UTF-8 are shown as such, where they
 /// matter.
 fn lines(bytes: &[u8]) -> impl Iterator<Item = (usize, &[u8])> {
+    let end = line_end(bytes);
     bytes
-        .split(|&byte| byte == b'\n')
+        .split(move |&byte| byte == end)
         .enumerate()
         .map(|(k, line)| (k + 1, line.trim_ascii()))
 }
@@ -167,27 +214,6 @@ fn point<'a>(mut words: impl Iterator<Item = &'a [u8]>, per_metre: f64) -> Optio
     let mut next = || Some(super::number::parse(words.next()?)? / per_metre);
     let point = Point3::new(next()?, next()?, next()?);
     first_outside(&[point]).is_none().then_some(point)
-}
-
-/// The triangles of a face with these corners, as a fan; `count` corners are known.
-fn fan(corners: &[f64], count: usize, triangles: &mut Vec<[u32; 3]>) -> Result<(), MeshFileError> {
-    let index = |corner: f64| {
-        if corner >= 0.0 && corner.fract() == 0.0 && corner < count as f64 {
-            return Ok(corner as u32);
-        }
-        Err(MeshFileError::Corner {
-            triangle: triangles.len(),
-            corner: corner as u32,
-            count,
-        })
-    };
-    let corners: Vec<u32> = corners
-        .iter()
-        .map(|&corner| index(corner))
-        .collect::<Result<_, _>>()?;
-    let pairs = corners.windows(2).skip(1);
-    triangles.extend(pairs.map(|pair| [corners[0], pair[0], pair[1]]));
-    Ok(())
 }
 
 fn wrong_line(line: usize, wanted: &'static str, text: &[u8]) -> MeshFileError {
@@ -225,6 +251,8 @@ fn described(line: &[u8]) -> String {
     }
 }
 
+#[cfg(test)]
+mod dialect_tests;
 #[cfg(test)]
 mod scans_tests;
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use super::IgesError;
 use super::sections::{Entry, File, shortened};
+use super::uses::INSTANCE;
 use crate::basis::MAX_DEGREE;
 use crate::exchange::LengthUnit;
 use crate::exchange::number::parse;
@@ -98,14 +99,14 @@ impl Parameters {
     }
 }
 
-/// The values of a surface, in metres, and the ranges of u and v that the file means.
+/// The values of a surface, the first of a chain whose others take it over, in metres, and the ranges of u and v that the file
+/// means.
 pub(super) fn surface(
     file: &File<'_>,
-    id: u64,
+    chain: &[Entry],
     unit: &LengthUnit,
 ) -> Result<(FileSurface, [(f64, f64); 2]), IgesError> {
-    let entry = file.entry(id).ok_or(IgesError::NoSurface(file.count()))?;
-    let parameters = Parameters::of(file, &entry, SURFACE)?;
+    let parameters = Parameters::of(file, &chain[0], SURFACE)?;
     parameters.require(9)?;
     let last = [
         parameters.whole(0, "upper index of the first sum")?,
@@ -139,7 +140,7 @@ pub(super) fn surface(
     let weights_in_file = take(rows * columns, "weight")?;
     let coordinates = take(3 * rows * columns, "coordinate")?;
     let range = take(4, "range of u and v")?;
-    let placed = placement(file, &entry)?;
+    let placed = placement(file, chain)?;
     // The file runs through u first.
     let order = || (0..rows).flat_map(|i| (0..columns).map(move |j| i + j * rows));
     let points = order()
@@ -170,10 +171,57 @@ pub(super) fn surface(
     Ok((values, [(range[0], range[1]), (range[2], range[3])]))
 }
 
-/// The product of the matrices that place an entity, in the file's unit; `None` without any, so
+/// A turn (with a scale, perhaps), and a shift after it, in the file's unit.
+type Placement = (Matrix3, Vector3);
+
+/// One placement after the other.
+fn after(inner: Option<Placement>, (turn, shift): Placement) -> Option<Placement> {
+    Some(match inner {
+        None => (turn, shift),
+        Some((inner, moved)) => (turn * inner, turn * moved + shift),
+    })
+}
+
+/// The product of all that places an entity, the first of a chain whose others take it over; `None` without any, so
 /// that numbers stay as they are bit for bit.
-fn placement(file: &File<'_>, entry: &Entry) -> Result<Option<(Matrix3, Vector3)>, IgesError> {
-    let mut placed: Option<(Matrix3, Vector3)> = None;
+pub(super) fn placement(file: &File<'_>, chain: &[Entry]) -> Result<Option<Placement>, IgesError> {
+    let mut placed = None;
+    for entry in chain {
+        placed = matrices(file, entry, placed)?;
+        if entry.kind == INSTANCE {
+            placed = after(placed, instance(file, entry)?);
+        }
+    }
+    Ok(placed)
+}
+
+/// Where a subfigure (308) stands: its definition, a shift, a scale.
+fn instance(file: &File<'_>, entry: &Entry) -> Result<Placement, IgesError> {
+    let parameters = Parameters::of(file, entry, INSTANCE as u32)?;
+    parameters.require(4)?;
+    let number = |k: usize, what: &'static str| parameters.real(k, what);
+    let shift = Vector3::new(
+        number(1, "shift")?,
+        number(2, "shift")?,
+        number(3, "shift")?,
+    );
+    let has_scale = parameters
+        .tokens
+        .get(4)
+        .is_some_and(|token| !token.is_empty());
+    let scale = if has_scale { number(4, "scale")? } else { 1.0 };
+    if scale <= 0.0 {
+        return Err(parameters.wrong(4, "scale", "above 0"));
+    }
+    Ok((Matrix3::identity() * scale, shift))
+}
+
+/// The matrices of an entity, after what is inside it.
+fn matrices(
+    file: &File<'_>,
+    entry: &Entry,
+    mut placed: Option<Placement>,
+) -> Result<Option<Placement>, IgesError> {
     let mut from = *entry;
     for _ in 0..MAX_MATRICES {
         if from.matrix == 0 {
@@ -193,14 +241,8 @@ fn placement(file: &File<'_>, entry: &Entry) -> Result<Option<(Matrix3, Vector3)
             *value = parameters.real(k, "element of the matrix")?;
         }
         let [a, b, c, x, d, e, f, y, g, h, i, z] = values;
-        let (rotation, shift) = (
-            Matrix3::new(a, b, c, d, e, f, g, h, i),
-            Vector3::new(x, y, z),
-        );
-        placed = Some(match placed {
-            None => (rotation, shift),
-            Some((inner, moved)) => (rotation * inner, rotation * moved + shift),
-        });
+        let turn = Matrix3::new(a, b, c, d, e, f, g, h, i);
+        placed = after(placed, (turn, Vector3::new(x, y, z)));
         from = to;
     }
     Err(IgesError::Circle(entry.id))

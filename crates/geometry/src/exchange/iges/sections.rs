@@ -31,6 +31,8 @@ pub(super) struct Entry {
     lines: u64,
     /// Directory entry of its matrix, 0 if it has none.
     pub matrix: u64,
+    /// It is there only as a part of another entity.
+    pub dependent: bool,
 }
 
 impl<'a> File<'a> {
@@ -41,6 +43,7 @@ impl<'a> File<'a> {
         let mut parameters: Vec<&[u8]> = Vec::new();
         let mut terminate = None;
         let mut section = b'S';
+        let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
         for (k, line) in bytes.split(|&byte| byte == b'\n').enumerate() {
             let line = line.strip_suffix(b"\r").unwrap_or(line);
             if line.iter().all(u8::is_ascii_whitespace) {
@@ -147,6 +150,8 @@ impl<'a> File<'a> {
             first,
             lines,
             matrix,
+            // The second pair of digits of its status: 01 physically, 02 logically, 03 both.
+            dependent: matches!(one.get(67), Some(b'1' | b'3')),
         })
     }
 

@@ -45,7 +45,7 @@ fn random_surfaces_are_read_back_bit_for_bit_or_refused_for_their_gap() {
 }
 
 /// A file of entities `(kind, matrix, parameters)`, by hand.
-fn file(global: &str, entities: &[(u32, u32, &str)]) -> String {
+pub(super) fn file(global: &str, entities: &[(u32, u32, &str)]) -> String {
     let mut out = format!("{:<72}S{:>7}\n", "", 1);
     out += &format!("{global:<72}G{:>7}\n", 1);
     let (mut directory, mut parameters) = (String::new(), String::new());
@@ -85,9 +85,9 @@ fn file(global: &str, entities: &[(u32, u32, &str)]) -> String {
         )
 }
 
-const GLOBAL: &str = "1H,,1H;,,,,,,,,,,,1.0,6,1HM;";
+pub(super) const GLOBAL: &str = "1H,,1H;,,,,,,,,,,,1.0,6,1HM;";
 // z = 7 over the unit square, u along x.
-const SHEET: &str = "128,1,1,1,1,0,0,1,0,0,0.,0.,1.,1.,0.,0.,1.,1.,1.,1.,1.,1.,0.,0.,7.,1.,0.,7.,0.,1.,7.,1.,1.,7.,0.,1.,0.,1.;";
+pub(super) const SHEET: &str = "128,1,1,1,1,0,0,1,0,0,0.,0.,1.,1.,0.,0.,1.,1.,1.,1.,1.,1.,0.,0.,7.,1.,0.,7.,0.,1.,7.,1.,1.,7.,0.,1.,0.,1.;";
 
 #[test]
 fn the_file_runs_through_u_first() {

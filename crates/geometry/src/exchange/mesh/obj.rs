@@ -1,9 +1,10 @@
 //! Wavefront OBJ: corners, normals and faces as text.
 
-use super::{MeshFileError, check, lines, point, words, wrong_line};
+use super::{MeshFileError, check, lines, plain, point, polygon, words, wrong_line};
 use crate::math::Point3;
 use crate::surface::Mesh;
 use crate::surface::file::Unit;
+use std::borrow::Cow;
 use std::fmt::Write as _;
 
 /// The file of a mesh, with a normal for each corner; numbers read back bit for bit.
@@ -38,11 +39,10 @@ pub fn write(mesh: &Mesh, unit: Unit) -> Result<String, MeshFileError> {
 /// A corner that is not three finite numbers, or none at all.
 pub fn read_points(bytes: &[u8], unit: Unit) -> Result<Vec<Point3>, MeshFileError> {
     let mut points = Vec::new();
-    for (number, line) in lines(bytes) {
-        let mut words = words(line);
+    for (number, line) in statements(plain(bytes)?) {
+        let mut words = words(&line);
         if words.next() == Some(b"v") {
-            let corner = point(words, unit.per_metre());
-            points.push(corner.ok_or_else(|| wrong_line(number, "v and three numbers", line))?);
+            points.push(vertex(words, unit, number, &line)?);
         }
     }
     if points.is_empty() {
@@ -52,37 +52,45 @@ pub fn read_points(bytes: &[u8], unit: Unit) -> Result<Vec<Point3>, MeshFileErro
     }
 }
 
-/// The corners and faces of a file; faces with more than three corners become fans, everything else
-/// is passed over. Normals are those of the triangles' turning, whatever the file has.
+/// The corners and faces of a file. Faces with more than three corners become the triangles that cover them, concave ones
+/// too; what has no area (points `p`, lines `l`, curves) and what does not change the shape (names, materials, texture) is
+/// passed over. Normals are those of the triangles' turning, whatever the file has.
 ///
 /// # Errors
-/// A corner that is not three finite numbers, a face that names a corner which is not there, or no
-/// face at all.
+/// A corner that is not three finite numbers, a face that names a corner which is not there, or whose edges cross, curved
+/// faces (`surf` and older kinds), or no face at all.
 pub fn read(bytes: &[u8], unit: Unit) -> Result<Mesh, MeshFileError> {
     let (mut points, mut triangles) = (Vec::new(), Vec::new());
-    for (number, line) in lines(bytes) {
-        let mut words = words(line);
+    let mut face = 0;
+    for (line, text) in statements(plain(bytes)?) {
+        let mut words = words(&text);
         match words.next() {
-            Some(b"v") => {
-                let corner = point(words, unit.per_metre());
-                points.push(corner.ok_or_else(|| wrong_line(number, "v and three numbers", line))?);
-            }
-            Some(b"f") => {
-                let wrong =
-                    || wrong_line(number, "f and three or more corners that stand above", line);
+            Some(b"v") => points.push(vertex(words, unit, line, &text)?),
+            // `fo` is its old name.
+            Some(b"f" | b"fo") => {
                 let corners: Option<Vec<u32>> =
                     words.map(|word| corner(word, points.len())).collect();
                 let corners = corners
                     .filter(|corners| corners.len() >= 3)
-                    .ok_or_else(wrong)?;
-                triangles.extend(
-                    corners
-                        .windows(2)
-                        .skip(1)
-                        .map(|pair| [corners[0], pair[0], pair[1]]),
-                );
+                    .ok_or_else(|| {
+                        let wanted = "f and three or more corners that stand above";
+                        wrong_line(line, wanted, &text)
+                    })?;
+                face += 1;
+                let found = polygon::triangles(&points, &corners);
+                triangles.extend(found.map_err(|flaw| MeshFileError::Polygon {
+                    face,
+                    line: Some(line),
+                    corners: corners.len(),
+                    flaw,
+                })?);
             }
-            _ => {}
+            Some(word) => {
+                if let Some(keyword) = CURVED.iter().find(|known| known.as_bytes() == word) {
+                    return Err(MeshFileError::Faces { line, keyword });
+                }
+            }
+            None => {}
         }
     }
     if triangles.is_empty() {
@@ -90,6 +98,38 @@ pub fn read(bytes: &[u8], unit: Unit) -> Result<Mesh, MeshFileError> {
     }
     Mesh::from_triangles(points, triangles)
         .ok_or(MeshFileError::Empty("corners (lines that begin with v)"))
+}
+
+/// Faces that are not polygons: free-form ones, and the patches of before.
+const CURVED: [&str; 4] = ["surf", "bsp", "bzp", "cdp"];
+
+/// Lines without their comments, those that end with a backslash joined to the next; with the number of the first.
+fn statements(text: &[u8]) -> impl Iterator<Item = (usize, Cow<'_, [u8]>)> {
+    let mut lines = lines(text).map(|(number, line)| {
+        let said = line.split(|&byte| byte == b'#').next();
+        (number, said.unwrap_or_default().trim_ascii_end())
+    });
+    std::iter::from_fn(move || {
+        let (number, first) = lines.next()?;
+        let mut whole = Cow::Borrowed(first);
+        while whole.ends_with(b"\\") {
+            let joined = whole.to_mut();
+            joined.pop();
+            joined.push(b' ');
+            joined.extend_from_slice(lines.next().map_or(&[], |(_, line)| line));
+        }
+        Some((number, whole))
+    })
+}
+
+/// The three coordinates of a corner; what follows them, a weight or a colour, is passed over.
+fn vertex<'a>(
+    words: impl Iterator<Item = &'a [u8]>,
+    unit: Unit,
+    number: usize,
+    line: &[u8],
+) -> Result<Point3, MeshFileError> {
+    point(words, unit.per_metre()).ok_or_else(|| wrong_line(number, "v and three numbers", line))
 }
 
 /// `7`, `7/1`, `7//3`, counted from 1, or from the last one back when negative.

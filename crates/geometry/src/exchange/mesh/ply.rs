@@ -4,7 +4,7 @@
 //! is passed over. A file without faces is a cloud of points.
 
 use super::stl::welded;
-use super::{MeshFileError, checked, fan, words};
+use super::{MeshFileError, checked, line_end, plain, polygon, words};
 use crate::exchange::number;
 use crate::math::Point3;
 use crate::surface::Mesh;
@@ -137,14 +137,16 @@ impl Values<'_> {
 }
 
 /// The points and triangles of a file; coordinates are in `unit`. Faces with more than three corners
-/// become fans. A file without faces gives no triangles.
+/// become the triangles that cover them. A file without faces gives no triangles.
 ///
 /// # Errors
-/// A file cut short, with a header that is not PLY's, or whose faces name corners it does not have.
+/// A file cut short, with a header that is not PLY's, or with faces that name corners it does not
+/// have, or whose edges cross.
 fn contents(bytes: &[u8], unit: Unit) -> Result<(Vec<Point3>, Vec<[u32; 3]>), MeshFileError> {
     let (form, elements, rest) = header(bytes)?;
     let mut values = Values { form, rest };
     let (mut points, mut triangles) = (Vec::new(), Vec::new());
+    let mut faces = 0;
     for element in &elements {
         let place = |name: &[u8]| element.properties.iter().position(|p| p.name == name);
         let axes = [place(b"x"), place(b"y"), place(b"z")];
@@ -173,7 +175,8 @@ fn contents(bytes: &[u8], unit: Unit) -> Result<(Vec<Point3>, Vec<[u32; 3]>), Me
                     Some(length) => {
                         let list = values.list(length, property.scalar)?;
                         if element.name == b"face" && Some(k) == corners {
-                            fan(&list, points.len(), &mut triangles)?;
+                            faces += 1;
+                            triangles.extend(face(&list, faces, &points)?);
                         }
                     }
                 }
@@ -187,12 +190,34 @@ fn contents(bytes: &[u8], unit: Unit) -> Result<(Vec<Point3>, Vec<[u32; 3]>), Me
     Ok((points, triangles))
 }
 
+/// The triangles of the face with that number, from 1, of these corners.
+fn face(list: &[f64], face: usize, points: &[Point3]) -> Result<Vec<[u32; 3]>, MeshFileError> {
+    let index = |&corner: &f64| {
+        if corner >= 0.0 && corner.fract() == 0.0 && corner < points.len() as f64 {
+            return Ok(corner as u32);
+        }
+        Err(MeshFileError::Corner {
+            triangle: face - 1,
+            corner: corner as u32,
+            count: points.len(),
+        })
+    };
+    let corners: Vec<u32> = list.iter().map(index).collect::<Result<_, _>>()?;
+    polygon::triangles(points, &corners).map_err(|flaw| MeshFileError::Polygon {
+        face,
+        line: None,
+        corners: corners.len(),
+        flaw,
+    })
+}
+
 /// Form, elements, and what follows the header.
 fn header(bytes: &[u8]) -> Result<(Form, Vec<Element>, &[u8]), MeshFileError> {
     let (mut form, mut elements) = (None, Vec::<Element>::new());
-    let mut rest = bytes;
+    let mut rest = plain(bytes)?;
+    let line_end = line_end(rest);
     for number in 1.. {
-        let end = rest.iter().position(|&b| b == b'\n').ok_or_else(short)?;
+        let end = rest.iter().position(|&b| b == line_end).ok_or_else(short)?;
         let line = rest[..end].trim_ascii();
         rest = &rest[end + 1..];
         let words: Vec<&[u8]> = words(line).collect();

@@ -1,6 +1,6 @@
 //! Point clouds as text: a point a line, coordinates apart by blanks, commas, semicolons or tabs.
 
-use super::{MeshFileError, lines, point, wrong_line};
+use super::{MeshFileError, lines, plain, point, wrong_line};
 use crate::math::Point3;
 use crate::surface::file::Unit;
 
@@ -12,7 +12,7 @@ use crate::surface::file::Unit;
 pub fn read(bytes: &[u8], unit: Unit) -> Result<Vec<Point3>, MeshFileError> {
     let mut points = Vec::new();
     let mut titled = false;
-    for (number, line) in lines(bytes) {
+    for (number, line) in lines(plain(bytes)?) {
         let line = line
             .split(|&byte| byte == b'#')
             .next()

@@ -1,6 +1,6 @@
 //! STL: triangles with their normals, binary (single precision) or text.
 
-use super::{MeshFileError, check, checked, lines, point, words, wrong_line};
+use super::{MeshFileError, check, checked, lines, plain, point, words, wrong_line};
 use crate::math::{Point3, Vector3};
 use crate::surface::Mesh;
 use crate::surface::file::Unit;
@@ -70,21 +70,35 @@ pub fn write_ascii(mesh: &Mesh, unit: Unit) -> Result<String, MeshFileError> {
 }
 
 /// Reads either form; coordinates are in `unit`. Corners at the same place, bit for bit, become
-/// one; normals are those of the triangles' turning, whatever the file has.
+/// one; normals are those of the triangles' turning, whatever the file has. Text may be in capitals, hold several solids, or begin
+/// with a byte-order mark; binary triangles may be followed by zeros, or by less than another triangle.
 ///
 /// # Errors
 /// A file cut short, or coordinates that are not finite.
 pub fn read(bytes: &[u8], unit: Unit) -> Result<Mesh, MeshFileError> {
-    // Some binary files begin with "solid" too: their length tells.
-    let corners = match binary(bytes) {
-        Ok(triangles) => triangles
+    let corners = match (binary(bytes), as_text(bytes)?) {
+        (Ok(triangles), _) => triangles
             .chunks_exact(TRIANGLE)
             .flat_map(|t| corners_of(t, unit))
             .collect(),
-        Err(_) if bytes.trim_ascii_start().starts_with(b"solid") => text(bytes, unit)?,
-        Err(error) => return Err(error),
+        (_, Some(body)) => text(body, unit)?,
+        (Err(error), None) => return Err(error),
     };
     welded(corners)
+}
+
+/// The text of a file that is one, without its mark and what fills it up. Either form may begin with "solid", and text with
+/// something else: what tells is that a text has no other bytes than those of text.
+fn as_text(bytes: &[u8]) -> Result<Option<&[u8]>, MeshFileError> {
+    let is_filling = |byte: &u8| matches!(byte, 0 | 0x1a);
+    let end = bytes.iter().rposition(|byte| !is_filling(byte));
+    let body = plain(&bytes[..end.map_or(0, |at| at + 1)])?.trim_ascii_start();
+    let begins = body
+        .get(..5)
+        .is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
+    let is_control = |byte: &u8| byte.is_ascii_control() && !byte.is_ascii_whitespace();
+    let is_text = (begins || bytes.len() >= HEAD) && !body.iter().any(is_control);
+    Ok(is_text.then_some(body))
 }
 
 fn corners(mesh: &Mesh, triangle: &[u32; 3], unit: Unit) -> [Point3; 3] {
@@ -105,14 +119,17 @@ fn binary(bytes: &[u8]) -> Result<&[u8], MeshFileError> {
     };
     let count = u32::from_le_bytes([head[80], head[81], head[82], head[83]]);
     let needed = HEAD as u64 + TRIANGLE as u64 * u64::from(count);
-    if needed != bytes.len() as u64 {
+    let filling = usize::try_from(needed)
+        .ok()
+        .and_then(|end| bytes.get(end..));
+    if !filling.is_some_and(|rest| rest.len() < TRIANGLE || rest.iter().all(|&byte| byte == 0)) {
         return Err(MeshFileError::Length {
             bytes: bytes.len(),
             triangles: count,
             needed,
         });
     }
-    Ok(triangles)
+    Ok(&triangles[..needed as usize - HEAD])
 }
 
 fn corners_of(triangle: &[u8], unit: Unit) -> Vec<Point3> {
@@ -133,41 +150,51 @@ fn corners_of(triangle: &[u8], unit: Unit) -> Vec<Point3> {
 
 fn text(bytes: &[u8], unit: Unit) -> Result<Vec<Point3>, MeshFileError> {
     let mut corners = Vec::new();
-    let mut ended = false;
-    let mut last = 1;
+    let (mut ended, mut last) = (false, 1);
+    // Corners before this loop.
+    let mut before = 0;
     for (number, line) in lines(bytes) {
-        let mut words = words(line);
-        let Some(first) = words.next() else { continue };
-        last = number;
-        match first {
-            b"vertex" => {
-                let corner = point(words, unit.per_metre());
-                corners.push(
-                    corner.ok_or_else(|| wrong_line(number, "vertex and three numbers", line))?,
-                );
-            }
-            // A corner may belong to no triangle only where a line is missing.
-            b"endloop" if corners.len() % 3 != 0 || corners.is_empty() => {
-                return Err(wrong_line(number, "three vertices before endloop", line));
-            }
-            b"endsolid" => ended = true,
-            b"solid" => ended = false,
-            b"facet" | b"outer" | b"endloop" | b"endfacet" => {}
-            _ => {
-                return Err(wrong_line(
-                    number,
-                    "a line of an STL file, such as vertex or facet",
-                    line,
-                ));
+        let lower = line.to_ascii_lowercase();
+        let mut words = words(&lower).peekable();
+        while let Some(first) = words.next() {
+            last = number;
+            let mut next_is = |word: &[u8]| words.next_if(|next| *next == word).is_some();
+            match first {
+                b"vertex" => {
+                    let corner = point(&mut words, unit.per_metre());
+                    let wrong = || wrong_line(number, "vertex and three numbers", line);
+                    corners.push(corner.ok_or_else(wrong)?);
+                }
+                b"outer" if next_is(b"loop") => before = corners.len(),
+                b"endloop" | b"end" if first == b"endloop" || next_is(b"loop") => {
+                    if corners.len() != before + 3 {
+                        return Err(wrong_line(number, "three vertices before endloop", line));
+                    }
+                    before = corners.len();
+                }
+                b"facet" => {
+                    // Its normal, which may be left out.
+                    if next_is(b"normal") {
+                        words.by_ref().take(3).for_each(drop);
+                    }
+                }
+                b"endfacet" => {}
+                b"end" if next_is(b"facet") => {}
+                b"solid" | b"endsolid" | b"end" if first != b"end" || next_is(b"solid") => {
+                    ended = first != b"solid";
+                    // Its name.
+                    break;
+                }
+                _ => {
+                    let wanted = "a line of an STL file, such as vertex or facet";
+                    return Err(wrong_line(number, wanted, line));
+                }
             }
         }
     }
-    if !ended || corners.len() % 3 != 0 {
-        return Err(wrong_line(
-            last,
-            "endsolid: the file seems to be cut short",
-            b"",
-        ));
+    if !ended || corners.len() != before {
+        let wanted = "endsolid: the file seems to be cut short";
+        return Err(wrong_line(last, wanted, b""));
     }
     Ok(corners)
 }

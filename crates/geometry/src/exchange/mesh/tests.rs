@@ -207,7 +207,7 @@ fn what_is_no_mesh_or_point_is_refused_with_its_place() {
     huge[80..].fill(255);
     assert_eq!(
         stl(&huge),
-        "not a binary STL file: 4294967295 triangles, as its header says, need 214748364834 bytes, not 84"
+        "not an STL file: it is no text, and as binary, 4294967295 triangles, as its header says, need 214748364834 bytes, not 84"
     );
     assert_eq!(
         stl(b"solid\nvertex 1 2\n"),
