@@ -328,3 +328,45 @@ fn waves([from, to]: [f64; 2], phase: f64) -> [f64; 2] {
         if reaches(0.0) { 1.0 } else { ca.max(cb) },
     ]
 }
+
+impl Carrier {
+    /// Where a B-spline ends, and is more than a pole: at the start and the end of u and of v.
+    pub(super) fn rims(&self) -> [[bool; 2]; 2] {
+        let Self::Spline(surface) = self else {
+            return [[false; 2]; 2];
+        };
+        let periods = self.periods();
+        let domain = [surface.knots_u().domain(), surface.knots_v().domain()];
+        let points = surface.net().points();
+        let far_m = points.iter().map(|p| (p - points[0]).norm());
+        let close_m = 1e-9 * far_m.fold(0.0, f64::max);
+        std::array::from_fn(|k| {
+            let (low, high) = domain[1 - k];
+            [domain[k].0, domain[k].1].map(|end| {
+                let at = |s: f64| {
+                    let along = low + s * (high - low);
+                    if k == 0 {
+                        surface.point(end, along)
+                    } else {
+                        surface.point(along, end)
+                    }
+                };
+                let is_pole = || {
+                    [0.3, 0.6, 0.9]
+                        .iter()
+                        .all(|&s| (at(s) - at(0.0)).norm() <= close_m)
+                };
+                periods[k] == 0.0 && !is_pole()
+            })
+        })
+    }
+
+    /// A place of a B-spline is where it ends, by [`Carrier::rims`].
+    pub(super) fn is_on_rim(&self, rims: &[[bool; 2]; 2], uv: [f64; 2]) -> bool {
+        let Self::Spline(surface) = self else {
+            return false;
+        };
+        let domain = [surface.knots_u().domain(), surface.knots_v().domain()];
+        (0..2).any(|k| rims[k][0] && uv[k] <= domain[k].0 || rims[k][1] && uv[k] >= domain[k].1)
+    }
+}

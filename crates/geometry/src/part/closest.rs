@@ -157,7 +157,12 @@ impl PartSolver {
                 (Carrier::Spline(surface), Some(solver)) => {
                     let within = ceiling.sqrt();
                     certified &= solver.minima_within(surface, q, within, &mut self.feet);
-                    for foot in &self.feet {
+                    // Where the B-spline ends, an edge is as near.
+                    let inner = self
+                        .feet
+                        .iter()
+                        .filter(|foot| !face.carrier.is_on_rim(&face.rims, [foot.u, foot.v]));
+                    for foot in inner {
                         if offer(foot.point, [foot.u, foot.v], ceiling) {
                             break;
                         }

@@ -206,6 +206,10 @@ impl EdgeCurve {
         }
     }
 
+    pub fn degree(&self) -> usize {
+        self.degree
+    }
+
     pub fn segments(&self) -> usize {
         self.points.len() / (self.degree + 1)
     }
@@ -345,7 +349,7 @@ fn closest_of_segment(points: &[Homogeneous], q: &Point3, ceiling: f64) -> Optio
     let turn = turning(points, q);
     let noise = 1e-14 * turn.most();
     let mut best = (None, ceiling);
-    let mut offer = |t: f64, best: &mut (Option<f64>, f64)| {
+    let offer = |t: f64, best: &mut (Option<f64>, f64)| {
         let squared = (bezier::point(points, t) - q).norm_squared();
         if squared < best.1 {
             *best = (Some(t), squared);

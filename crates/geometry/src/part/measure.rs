@@ -187,7 +187,7 @@ impl Walk<'_> {
             let breaks = Breaks::Angle;
             return over(rule, &breaks, self.u, |u| f(u, self.v));
         };
-        if self.u[0] == self.u[1] {
+        if self.u[0] == self.u[1] || from == to {
             return 0.0;
         }
         let progress = chart.progress(points);

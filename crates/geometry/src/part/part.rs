@@ -81,6 +81,8 @@ pub(super) struct Face {
     pub same_sense: bool,
     pub trim: Trim,
     pub loops: usize,
+    /// Where a B-spline ends, and is more than a pole: at the start and the end of u and of v.
+    pub rims: [[bool; 2]; 2],
 }
 
 /// Where edges meet, or a cone ends.
@@ -305,6 +307,7 @@ impl<'a> Build<'a> {
             same_sense: face.same_sense,
             trim,
             loops: chains.len(),
+            rims: face.carrier.rims(),
         };
         self.add_corners(index, &built, &chains);
         self.boxes.push(self.face_box(&built, &chains));

@@ -31,6 +31,8 @@ struct Cubic {
 #[derive(Clone, Copy, Debug)]
 struct Place {
     uv: [f64; 2],
+    /// From the curve, m.
+    gap_m: f64,
     slope: [f64; 2],
 }
 
@@ -65,11 +67,16 @@ impl PCurve {
         let mut cubics = Vec::new();
         let mut near = None;
         for segment in 0..curve.segments() {
-            let start = tracer.place((segment, 0.0), near);
-            let middle = tracer.place((segment, 0.5), Some(start.uv));
-            let end = tracer.place((segment, 1.0), Some(middle.uv));
-            tracer.fit(segment, [0.0, 1.0], [start, end], 0, &mut cubics);
-            near = Some(end.uv);
+            // Steps short enough that none goes half round a closed surface.
+            let steps = 2 + curve.degree();
+            let mut from = tracer.place((segment, 0.0), near);
+            for k in 1..=steps {
+                let t = [k - 1, k].map(|k| k as f64 / steps as f64);
+                let to = tracer.place((segment, t[1]), Some(from.uv));
+                tracer.fit(segment, t, [from, to], 0, &mut cubics);
+                from = to;
+            }
+            near = Some(from.uv);
         }
         Self { cubics }
     }
@@ -105,7 +112,8 @@ impl Tracer<'_> {
     /// The foot of a place of the edge, near another foot where one is known.
     fn place(&mut self, at: (usize, f64), near: Option<[f64; 2]>) -> Place {
         let q = self.curve.point(at);
-        let mut uv = self.foot(&q, near);
+        let foot = self.foot(&q, near);
+        let mut uv = foot;
         let mut frame = self.surface.frame(uv[0], uv[1]);
         let range: [f64; 2] = [
             self.surface.knots_u().domain(),
@@ -129,6 +137,7 @@ impl Tracer<'_> {
         let slope = self.curve.slope(at);
         Place {
             uv,
+            gap_m: (self.surface.point(foot[0], foot[1]) - q).norm(),
             slope: solved(&frame.du, &frame.dv, &slope),
         }
     }
@@ -169,10 +178,12 @@ impl Tracer<'_> {
             let frame = self.surface.frame(q[0], q[1]);
             (frame.du * (p[0] - q[0]) + frame.dv * (p[1] - q[1])).norm()
         };
-        let good = off(value(&points, 0.5), mid.uv) <= FIT * self.size_m && {
+        // No nearer than a hundredth of what the edge is off by itself.
+        let fit_m = (FIT * self.size_m).max(0.01 * mid.gap_m);
+        let good = off(value(&points, 0.5), mid.uv) <= fit_m && {
             let at = 0.75 * t[0] + 0.25 * t[1];
             let quarter = self.place((segment, at), Some(value(&points, 0.25)));
-            off(value(&points, 0.25), quarter.uv) <= FIT * self.size_m
+            off(value(&points, 0.25), quarter.uv) <= fit_m
         };
         if good || depth >= MOST_HALVINGS {
             out.push(Cubic { segment, t, points });

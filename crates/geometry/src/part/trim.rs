@@ -15,6 +15,8 @@ use super::measure::Walk;
 
 /// Columns of the table that says which arcs a ray may cross.
 const COLUMNS: usize = 32;
+/// Arcs that are asked for the base.
+const MOST_VOTES: usize = 200;
 /// Of the range of v: how near to a loop a place is on it.
 const ON: f64 = 1e-13;
 
@@ -452,12 +454,15 @@ impl Trim {
     /// The base for which the left of the arcs is inside.
     fn settle_base(&mut self) -> Result<(), TrimProblem> {
         let mut votes: Vec<(i32, f64)> = Vec::new();
-        let upright = 1e-9 * (self.reach[0][1] - self.reach[0][0]);
-        for (k, arc) in self.arcs.iter().enumerate() {
-            let length = (arc.u[1] - arc.u[0]).abs();
-            if length <= upright || arc.path == Path::Level {
-                continue;
-            }
+        let size = self.reach.map(|[low, high]| (high - low).max(f64::MIN_POSITIVE));
+        // An arc that is upright but for rounding says nothing of what is above and below it.
+        let says = |arc: &Arc| {
+            let [across, along] = [arc.u, arc.v].map(|[a, b]| (b - a).abs());
+            across / size[0] > 1e-4 * along / size[1] && arc.path != Path::Level
+        };
+        let telling: Vec<usize> = (0..self.arcs.len()).filter(|&k| says(&self.arcs[k])).collect();
+        for &k in telling.iter().step_by(1 + telling.len() / MOST_VOTES) {
+            let arc = &self.arcs[k];
             let u = 0.5 * (arc.u[0] + arc.u[1]);
             let v = self.height_at(arc, u);
             let Some(above) = self.crossings([u, v], Some(k)) else {
@@ -465,16 +470,17 @@ impl Trim {
             };
             let own = i32::from(arc.u[1] < arc.u[0]);
             let base = 1 - above - own - self.base_at(u);
-            vote(&mut votes, base, length);
+            vote(&mut votes, base, (arc.u[1] - arc.u[0]).abs());
         }
         if votes.is_empty() {
             // Upright arcs alone: their left is beside them.
             for (k, arc) in self.arcs.iter().enumerate() {
                 let [mut low, mut high] = arc.v;
                 if let Path::Curve(points, _) = &arc.path {
+                    let middle = 0.5 * (low + high);
                     let end = |t| {
-                        self.chart
-                            .reduced(self.chart.raw(&bezier::evaluate(points, t).0))[1]
+                        let v = self.chart.raw(&bezier::evaluate(points, t).0);
+                        lifted(self.chart.reduced(v)[1], middle, self.chart.periods[1])
                     };
                     (low, high) = (end(0.0), end(1.0));
                 }
