@@ -153,7 +153,8 @@ impl Said {
                 let ends = [entity.reference(3)?, entity.reference(4)?];
                 self.usages.insert(id, ends);
             }
-            name if name.starts_with("PRODUCT_DEFINITION_FORMATION") => {
+            "PRODUCT_DEFINITION_FORMATION"
+            | "PRODUCT_DEFINITION_FORMATION_WITH_SPECIFIED_SOURCE" => {
                 self.formations.insert(id, entity.reference(2)?);
             }
             "REPRESENTATION_RELATIONSHIP" | "SHAPE_REPRESENTATION_RELATIONSHIP" => {
