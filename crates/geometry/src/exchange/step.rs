@@ -1,10 +1,16 @@
-//! STEP (ISO 10303-21, of AP203, AP214 or AP242): B-spline surfaces, plain and rational.
+//! STEP (ISO 10303-21, of AP203, AP214 or AP242): parts, and single B-spline surfaces.
 //!
 //! ```text
 //! bytes ── syntax: #id → where its text is ──▶ surface: one instance and its points ──▶ FileSurface ──▶ Surface
 //!                                         └──▶ units: the context above it → metres
 //! ```
-//! Read: `B_SPLINE_SURFACE_WITH_KNOTS`, `BEZIER_SURFACE`, `UNIFORM_SURFACE` and
+//! A part ([`read_part`]) is all that the products of a file are made of, where its assemblies put them:
+//! ```text
+//! assembly: which solids, where ──▶ topology: shells, faces, loops ──▶ carriers, curves ──▶ Brep ── placed ──▶ ImportedPart
+//!     └──▶ units: each representation's own context
+//! ```
+//!
+//! A single surface ([`read`]): `B_SPLINE_SURFACE_WITH_KNOTS`, `BEZIER_SURFACE`, `UNIFORM_SURFACE` and
 //! `QUASI_UNIFORM_SURFACE`, each also as a complex instance with `RATIONAL_B_SPLINE_SURFACE`. The
 //! surface is taken whole, where its assemblies put it: trimming curves, further places of the same
 //! part and other faces are left out, and [`Imported::left_out`] says so.
@@ -129,7 +135,7 @@ pub enum StepError {
         why: &'static str,
     },
     /// A number that cannot be.
-    #[error("#{id}: {what} is {value}; it should be {wanted}")]
+    #[error("#{id}: {what} is {value:?}; it should be {wanted}")]
     Value {
         /// Number of the instance (`#id`) in the file.
         id: u64,
@@ -199,7 +205,7 @@ pub enum StepError {
         what: &'static str,
     },
     /// The same things again and again.
-    #[error("#{id}: solids share so much that the file would be read more than 64 times")]
+    #[error("#{id}: solids share so much that the file would be read more than 16 times")]
     TooOften {
         /// Number of the instance (`#id`) where it was stopped.
         id: u64,
@@ -281,5 +287,7 @@ pub fn read(bytes: &[u8], pick: Pick) -> Result<Imported, StepError> {
     })
 }
 
+#[cfg(test)]
+mod part_tests;
 #[cfg(test)]
 mod tests;

@@ -96,6 +96,8 @@ pub(super) struct Assembly<'f, 'a, 'b> {
     contexts: BTreeMap<u64, Context>,
     /// Node of each representation.
     node_of: BTreeMap<u64, usize>,
+    /// Nodes of each product's definition.
+    shapes_of: BTreeSet<(u64, usize)>,
     roots: Vec<usize>,
 }
 
@@ -151,7 +153,8 @@ impl Said {
                 let ends = [entity.reference(3)?, entity.reference(4)?];
                 self.usages.insert(id, ends);
             }
-            name if name.starts_with("PRODUCT_DEFINITION_FORMATION") => {
+            "PRODUCT_DEFINITION_FORMATION"
+            | "PRODUCT_DEFINITION_FORMATION_WITH_SPECIFIED_SOURCE" => {
                 self.formations.insert(id, entity.reference(2)?);
             }
             "REPRESENTATION_RELATIONSHIP" | "SHAPE_REPRESENTATION_RELATIONSHIP" => {
@@ -205,12 +208,6 @@ impl Said {
         };
         self.representations.insert(id, representation);
     }
-
-    /// The representations of a product's definition.
-    fn drawn_of(&self, definition: u64) -> impl Iterator<Item = u64> + '_ {
-        let of = move |[shape, _]: &&[u64; 2]| self.shapes.get(shape) == Some(&definition);
-        self.drawn.iter().filter(of).map(|[_, to]| *to)
-    }
 }
 
 /// A string of the file: doubled quotes are one, `\X2\…\X0\` are code points of four digits.
@@ -231,6 +228,24 @@ pub(super) fn plain_text(text: &[u8]) -> String {
     plain
 }
 
+/// Relations whose second end is the part: none, where what the file says cannot be read.
+pub(super) fn second_is_part(file: &File<'_, '_>) -> BTreeSet<u64> {
+    let mut assembly = Assembly {
+        file,
+        said: Said::of(file).unwrap_or_default(),
+        nodes: Vec::new(),
+        contexts: BTreeMap::new(),
+        node_of: BTreeMap::new(),
+        shapes_of: BTreeSet::new(),
+        roots: Vec::new(),
+    };
+    assembly.join();
+    let placed = assembly.placed().into_iter();
+    placed
+        .filter_map(|(_, part, relation)| (part == 1).then_some(relation))
+        .collect()
+}
+
 impl<'f, 'a, 'b> Assembly<'f, 'a, 'b> {
     /// Reads what the file says, without the solids themselves.
     pub fn read(file: &'f File<'a, 'b>) -> Result<Self, StepError> {
@@ -240,6 +255,7 @@ impl<'f, 'a, 'b> Assembly<'f, 'a, 'b> {
             nodes: Vec::new(),
             contexts: BTreeMap::new(),
             node_of: BTreeMap::new(),
+            shapes_of: BTreeSet::new(),
             roots: Vec::new(),
         };
         assembly.join();
@@ -275,6 +291,11 @@ impl<'f, 'a, 'b> Assembly<'f, 'a, 'b> {
                 }
             }
         }
+        for [shape, to] in &self.said.drawn {
+            if let (Some(of), Some(node)) = (self.said.shapes.get(shape), self.node_of.get(to)) {
+                self.shapes_of.insert((*of, *node));
+            }
+        }
     }
 
     fn list_items(&mut self) {
@@ -283,9 +304,13 @@ impl<'f, 'a, 'b> Assembly<'f, 'a, 'b> {
             let node = self.node_of[&whole];
             for &item in &representation.items {
                 let name = self.file.name(item);
-                if SOLIDS.contains(&name) && seen.insert((node, item)) {
+                let counts = SOLIDS.contains(&name) || name == "MAPPED_ITEM" || name.is_empty();
+                if !counts || !seen.insert((node, item)) {
+                    continue;
+                }
+                if SOLIDS.contains(&name) {
                     self.nodes[node].items.push([item, whole]);
-                } else if name == "MAPPED_ITEM" || name.is_empty() {
+                } else {
                     // Complex instances have no leading name.
                     if let Some(part) = self.mapped(item).and_then(|map| self.node_of.get(&map[1]))
                     {
@@ -311,8 +336,8 @@ impl<'f, 'a, 'b> Assembly<'f, 'a, 'b> {
         }
     }
 
-    /// Relations with a place, and usages without any.
-    fn relate(&mut self) {
+    /// Relations that usages place: their ends, which one is the part, and their number.
+    fn placed(&self) -> Vec<([u64; 2], usize, u64)> {
         let mut links = Vec::new();
         let mut done = BTreeSet::new();
         for &[relation, shape] in &self.said.placed {
@@ -325,6 +350,13 @@ impl<'f, 'a, 'b> Assembly<'f, 'a, 'b> {
                 links.push((*ends, part, relation));
             }
         }
+        links
+    }
+
+    /// Relations with a place, and usages without any.
+    fn relate(&mut self) {
+        let mut links = self.placed();
+        let done: BTreeSet<u64> = links.iter().map(|link| link.2).collect();
         // Without a usage the first is the part, as the standard has it; unless it is the product.
         let products = self.product_nodes();
         for (&relation, Relation { ends, transformed }) in &self.said.relations {
@@ -346,11 +378,12 @@ impl<'f, 'a, 'b> Assembly<'f, 'a, 'b> {
                 self.nodes[whole].links.push((child, link));
             }
         }
+        let shapes_of = &self.shapes_of;
+        let node = |definition: u64| {
+            let mut all = shapes_of.range((definition, 0)..=(definition, usize::MAX));
+            all.next().map(|(_, node)| *node)
+        };
         for &[whole, child] in self.said.usages.values() {
-            let node = |definition| {
-                let drawn = self.said.drawn_of(definition).next()?;
-                self.node_of.get(&drawn).copied()
-            };
             if let (Some(whole), Some(child)) = (node(whole), node(child))
                 && whole != child
                 && inside.insert(child)
@@ -364,9 +397,7 @@ impl<'f, 'a, 'b> Assembly<'f, 'a, 'b> {
     fn part_end(&self, ends: [u64; 2], [whole, part]: [u64; 2]) -> usize {
         let nodes = ends.map(|end| self.node_of.get(&end));
         let is = |end: usize, definition: u64| {
-            nodes[end].is_some()
-                && (self.said.drawn_of(definition))
-                    .any(|drawn| self.node_of.get(&drawn) == nodes[end])
+            nodes[end].is_some_and(|node| self.shapes_of.contains(&(definition, *node)))
         };
         usize::from(!is(0, part) && is(1, part) || !is(1, whole) && is(0, whole))
     }
@@ -513,14 +544,11 @@ impl<'f, 'a, 'b> Assembly<'f, 'a, 'b> {
 
     /// All places of what is picked, in the order of the assembly.
     pub fn places(&self, pick: &PartPick) -> Result<Vec<Place>, StepError> {
-        let named = |node: &Node| {
-            let same = |product: &[String; 2]| {
-                pick.part
-                    .as_ref()
-                    .is_some_and(|part| product.contains(part))
-            };
-            node.products.iter().any(same)
-        };
+        let part = pick.part.as_ref();
+        let is = |product: &[String; 2]| part.is_some_and(|part| product.contains(part));
+        let named: Vec<bool> = (self.nodes.iter())
+            .map(|node| node.products.iter().any(is))
+            .collect();
         let mut instances = vec![0; self.nodes.len()];
         let (mut found, mut occurrences, mut steps) = (Vec::new(), 0, 0);
         let start = |&node: &usize| (node, Placing::default(), None);
@@ -532,7 +560,7 @@ impl<'f, 'a, 'b> Assembly<'f, 'a, 'b> {
             if !node.shaped {
                 continue;
             }
-            if inside.is_none() && (named(node) || pick.part.is_none() && !node.items.is_empty()) {
+            if inside.is_none() && (named[at] || pick.part.is_none() && !node.items.is_empty()) {
                 inside = Some(occurrences);
                 occurrences += 1;
             }

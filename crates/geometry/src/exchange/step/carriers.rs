@@ -197,7 +197,7 @@ fn cone(
     }
     let apex = axes.origin - axes.z * (radius_m / libm::tan(half_angle_rad));
     if let Some((_, value)) = crate::math::first_outside(&[apex]) {
-        return Err(entity.value("a coordinate of the apex, m,", value, "within ±1e12"));
+        return Err(entity.value("a coordinate of the apex (m)", value, "within ±1e12"));
     }
     Ok(Carrier::Cone {
         axes: into_nappe(

@@ -30,8 +30,7 @@ pub(super) struct Whole {
     pub curve: BrepCurve,
     /// What the file calls its direction is the curve's own.
     pub along: bool,
-    /// Where the file trims it, if it says so in parameters: the middle, as a fraction of nothing, in the curve's own
-    /// parameter (rad for conics, m for lines).
+    /// The middle of what the file trims a circle or an ellipse to, if it says so in angles, rad.
     pub middle: Option<f64>,
 }
 

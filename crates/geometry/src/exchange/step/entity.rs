@@ -9,7 +9,7 @@ use std::cell::Cell;
 
 /// How often a byte of the file may be read on average, and how many bytes anyway. What solids share is read once for
 /// each of them: files need two or three times.
-const MOST_TIMES: usize = 64;
+const MOST_TIMES: usize = 16;
 const ALWAYS_BYTES: usize = 1 << 20;
 
 /// A file that is read so often at most.
@@ -57,7 +57,7 @@ impl<'a, 'b> File<'a, 'b> {
         let point = Point3::new(unit.to_metres(x), unit.to_metres(y), unit.to_metres(z));
         match first_outside(&[point]) {
             None => Ok(point),
-            Some((_, value)) => Err(entity.value("a coordinate, m", value, WITHIN)),
+            Some((_, value)) => Err(entity.value("a coordinate (m)", value, WITHIN)),
         }
     }
 

@@ -65,6 +65,8 @@ pub struct PartLeftOut {
     pub errors: Vec<String>,
     /// Solids and sheets that no product has, or that another part than the picked one has.
     pub solids: usize,
+    /// Faces of no shell.
+    pub lone_faces: usize,
     /// Curves in space without faces.
     pub wireframes: usize,
     /// Sets of points, curves or surfaces without topology.
@@ -117,6 +119,7 @@ impl fmt::Display for PartLeftOut {
             }
         };
         count(self.solids, "solids or sheets of no product or of others");
+        count(self.lone_faces, "faces of no shell");
         count(self.wireframes, "wireframes");
         count(self.sets, "sets of points, curves or surfaces");
         count(self.tessellated, "tessellated items");
@@ -319,11 +322,19 @@ fn weight(brep: &Brep) -> usize {
 /// Counts what parts have not; returns the solids and sheets that no other contains.
 fn census(file: &File<'_, '_>, left_out: &mut PartLeftOut, notes: &mut Vec<String>) -> Vec<u64> {
     let (mut solids, mut shells, mut inside) = (Vec::new(), Vec::new(), BTreeSet::new());
+    let (mut faces, mut in_shells) = (Vec::new(), BTreeSet::new());
     let (mut styles, mut tolerances) = (0, 0);
     for instance in file.exchange.instances() {
         let text = file.exchange.text(instance);
         match leading_name(text) {
-            "CLOSED_SHELL" | "OPEN_SHELL" => shells.push(instance.id),
+            "CLOSED_SHELL" | "OPEN_SHELL" => {
+                shells.push(instance.id);
+                in_shells.extend(file.exchange.references(instance));
+            }
+            "CONNECTED_FACE_SET" | "ORIENTED_FACE" => {
+                in_shells.extend(file.exchange.references(instance));
+            }
+            "ADVANCED_FACE" | "FACE_SURFACE" => faces.push(instance.id),
             "ORIENTED_CLOSED_SHELL" => inside.extend(file.exchange.references(instance)),
             name if SOLIDS.contains(&name) => {
                 inside.extend(file.exchange.references(instance));
@@ -373,6 +384,7 @@ fn census(file: &File<'_, '_>, left_out: &mut PartLeftOut, notes: &mut Vec<Strin
             "{tolerances} dimensions and tolerances are not read"
         ));
     }
+    left_out.lone_faces = faces.iter().filter(|id| !in_shells.contains(id)).count();
     solids.extend(shells);
     solids.retain(|id| !inside.contains(id));
     solids.sort_unstable();

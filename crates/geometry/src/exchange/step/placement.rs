@@ -7,10 +7,11 @@
 //! A transformation takes the axes of one placement to those of another.
 
 use super::StepError;
-use super::surface::cartesian_point;
+use super::assembly::second_is_part;
+use super::entity::File;
 use super::syntax::{Exchange, Instance, Record, Value};
 use super::units::Unit;
-use crate::math::{Point3, Pose, Rotation, Vector3, direction_of};
+use crate::math::{Point3, Pose, Rotation};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Assemblies inside each other at most, and places of one part; what a file says beyond is not a
@@ -27,7 +28,10 @@ struct Link {
 
 struct Assemblies<'a, 'b> {
     exchange: &'b Exchange<'a>,
+    file: File<'a, 'b>,
     unit: &'b Unit,
+    /// Relations whose second end is the part.
+    turned: BTreeSet<u64>,
     /// (to, from), sorted: who refers to an instance.
     users: Vec<(u64, u64)>,
     links: BTreeMap<u64, Vec<Link>>,
@@ -60,8 +64,11 @@ pub(super) fn places(
         users.extend(to.into_iter().map(|to| (to, instance.id)));
     }
     users.sort_unstable();
+    let file = File::new(exchange);
     let mut assemblies = Assemblies {
         exchange,
+        turned: second_is_part(&file),
+        file,
         unit,
         users,
         links: BTreeMap::new(),
@@ -174,7 +181,12 @@ impl<'a> Assemblies<'a, '_> {
             .iter()
             .find(|record| plain.contains(&record.name) && record.arguments.len() >= 4);
         let Some(relation) = relation else { return };
-        let ends = [2, 3].map(|k| reference(relation.arguments.get(k)));
+        let order = if self.turned.contains(&instance.id) {
+            [3, 2]
+        } else {
+            [2, 3]
+        };
+        let ends = order.map(|k| reference(relation.arguments.get(k)));
         let [Some(child), Some(parent)] = ends else {
             return;
         };
@@ -196,8 +208,8 @@ impl<'a> Assemblies<'a, '_> {
             .iter()
             .find(|record| record.name == "ITEM_DEFINED_TRANSFORMATION");
         let Some(operator) = operator else { return };
-        let item = |k: usize| reference(operator.arguments.get(k));
-        let placed = self.between(item(2), item(3));
+        let [from, to] = order.map(|k| reference(operator.arguments.get(k)));
+        let placed = self.between(from, to);
         self.links
             .entry(child)
             .or_default()
@@ -236,58 +248,13 @@ impl<'a> Assemblies<'a, '_> {
         Ok(axes(to)? * axes(from)?.inverse())
     }
 
-    /// `AXIS2_PLACEMENT_3D`: a point, the z axis, and about where x points.
     fn axes(&self, id: u64) -> Result<Pose, StepError> {
-        let records = self.exchange.records(self.exchange.find(id, id)?)?;
-        let record = records
-            .iter()
-            .find(|record| record.name == "AXIS2_PLACEMENT_3D");
-        let wrong = |wanted| StepError::Attribute {
-            id,
-            what: "a placement".to_owned(),
-            wanted,
-            found: (records.first()).map_or_else(String::new, |record| record.name.to_owned()),
-        };
-        let record = record.ok_or_else(|| wrong("an AXIS2_PLACEMENT_3D"))?;
-        let at = reference(record.arguments.get(1));
-        let at = at.ok_or_else(|| wrong("an AXIS2_PLACEMENT_3D at a point"))?;
-        let origin = cartesian_point(self.exchange, at, id, self.unit)?;
-        let direction = |k: usize, usual: Vector3| match reference(record.arguments.get(k)) {
-            Some(direction) => self.direction(direction, id),
-            None => Ok(usual),
-        };
-        let z = direction(2, Vector3::z())?;
-        let about = direction(3, Vector3::x())?;
-        let x = (about - z * z.dot(&about)).try_normalize(1e-12);
-        let x = x.or_else(|| (Vector3::y() - z * z.y).try_normalize(1e-12));
-        let x = x.ok_or_else(|| wrong("an AXIS2_PLACEMENT_3D with two directions"))?;
-        let turn = nalgebra::Matrix3::from_columns(&[x, z.cross(&x), z]);
+        let axes = self.file.axes(id, id, self.unit)?;
+        let turn = nalgebra::Matrix3::from_columns(&[axes.x, axes.y, axes.z]);
         let turn = nalgebra::Rotation3::from_matrix_unchecked(turn);
         Ok(Pose::from_parts(
-            (origin - Point3::origin()).into(),
+            (axes.origin - Point3::origin()).into(),
             Rotation::from_rotation_matrix(&turn),
         ))
-    }
-
-    /// `DIRECTION`, with length 1.
-    fn direction(&self, id: u64, from: u64) -> Result<Vector3, StepError> {
-        let records = self.exchange.records(self.exchange.find(id, from)?)?;
-        let record = records.iter().find(|record| record.name == "DIRECTION");
-        let ratios = record.and_then(|record| record.arguments.last());
-        let read = match ratios {
-            Some(Value::List(values)) => match values.as_slice() {
-                [Value::Number(x), Value::Number(y), Value::Number(z)] => {
-                    direction_of(&Vector3::new(*x, *y, *z))
-                }
-                _ => None,
-            },
-            _ => None,
-        };
-        read.ok_or_else(|| StepError::Attribute {
-            id,
-            what: "DIRECTION".to_owned(),
-            wanted: "three numbers that are not all 0",
-            found: ratios.map_or_else(|| "nothing".to_owned(), Value::shown),
-        })
     }
 }
