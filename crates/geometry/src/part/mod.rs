@@ -14,6 +14,7 @@ mod curve;
 mod part;
 mod pcurve;
 mod tree;
+mod triangles;
 mod trim;
 
 pub use brep::{Brep, BrepBound, BrepCurve, BrepEdge, BrepFace, BrepShell, OutOfRange, Placing};
@@ -21,4 +22,5 @@ pub use carrier::{Axes, Carrier};
 pub use closest::{PartFoot, PartSolver, Support};
 pub use curve::CurveProblem;
 pub use part::{FaceInfo, Part, PartError};
+pub use triangles::{PartMesh, TrianglesError};
 pub use trim::TrimProblem;
