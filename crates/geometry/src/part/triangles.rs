@@ -378,7 +378,10 @@ fn chord_off(edge: &Edge, a: f64, b: f64) -> f64 {
     let count = (4.0 * (b - a)).ceil().clamp(4.0, 4096.0) as usize;
     (1..count).fold(0.0f64, |off, k| {
         let g = a + (b - a) * k as f64 / count as f64;
-        off.max(ruler::off_chord(&sheet::point_at(edge, g), [&ends[0], &ends[1]]))
+        off.max(ruler::off_chord(
+            &sheet::point_at(edge, g),
+            [&ends[0], &ends[1]],
+        ))
     })
 }
 

@@ -1,7 +1,7 @@
 //! One face's triangles: its edges' points and points within, in the plane.
 
-use super::sheet::{Layout, Sheet};
 use super::super::carrier::Carrier;
+use super::sheet::{Layout, Sheet};
 use super::{Id, TrianglesError, Work, ruler};
 use crate::math::{Point3, Vector3};
 use spade::handles::FixedVertexHandle;
@@ -257,9 +257,10 @@ impl Sketch<'_> {
     /// Points at whole steps, on cuts and poles too.
     fn fill_flat(&mut self, most: usize) -> Result<(), Problem> {
         let sheet = self.sheet;
-        let (Layout::Flat(rulers), false) =
-            (&sheet.layout, matches!(sheet.face.carrier, Carrier::Plane(_)))
-        else {
+        let (Layout::Flat(rulers), false) = (
+            &sheet.layout,
+            matches!(sheet.face.carrier, Carrier::Plane(_)),
+        ) else {
             return Ok(());
         };
         let counts = [0, 1].map(|d| rulers[d].steps());
@@ -293,9 +294,9 @@ impl Sketch<'_> {
                     true => vec![0.0, counts[d]],
                     false => vec![grid[d] as f64],
                 });
-                let free = twins[0].iter().all(|&x| {
-                    twins[1].iter().all(|&y| self.taken.is_free([x, y, 0.0]))
-                });
+                let free = twins[0]
+                    .iter()
+                    .all(|&x| twins[1].iter().all(|&y| self.taken.is_free([x, y, 0.0])));
                 if free {
                     let carrier = &sheet.face.carrier;
                     self.add_inner(uv, carrier.point(carrier.confined(uv)));
@@ -383,16 +384,24 @@ impl Sketch<'_> {
         let side = |p: [f64; 2], q: [f64; 2], r: [f64; 2]| {
             (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
         };
-        (0..self.chords.len()).filter(move |&m| m != n).filter_map(move |m| {
-            let [c, d] = ends(m);
-            let apart = side(a, b, c) * side(a, b, d) > 0.0 || side(c, d, a) * side(c, d, b) > 0.0;
-            let neighbours = self.chords[n].0.iter().any(|c| self.chords[m].0.contains(c));
-            let box_apart = (0..2).any(|k| {
-                a[k].max(b[k]) < c[k].min(d[k]) || c[k].max(d[k]) < a[k].min(b[k])
-            });
-            let same = self.chords[n].0.iter().all(|c| self.chords[m].0.contains(c));
-            (same || !apart && !neighbours && !box_apart).then_some(self.chords[m].1)
-        })
+        (0..self.chords.len())
+            .filter(move |&m| m != n)
+            .filter_map(move |m| {
+                let [c, d] = ends(m);
+                let apart =
+                    side(a, b, c) * side(a, b, d) > 0.0 || side(c, d, a) * side(c, d, b) > 0.0;
+                let neighbours = self.chords[n]
+                    .0
+                    .iter()
+                    .any(|c| self.chords[m].0.contains(c));
+                let box_apart = (0..2)
+                    .any(|k| a[k].max(b[k]) < c[k].min(d[k]) || c[k].max(d[k]) < a[k].min(b[k]));
+                let same = self.chords[n]
+                    .0
+                    .iter()
+                    .all(|c| self.chords[m].0.contains(c));
+                (same || !apart && !neighbours && !box_apart).then_some(self.chords[m].1)
+            })
     }
 
     /// The triangles of the face: on one side of the chords, that of most of the places that are inside.

@@ -203,10 +203,7 @@ fn spline_rulers(
     let knots = [surface.knots_u(), surface.knots_v()];
     let spans = knots.map(|knots| {
         let t = knots.knots();
-        knots
-            .spans()
-            .map(|k| [t[k], t[k + 1]])
-            .collect::<Vec<_>>()
+        knots.spans().map(|k| [t[k], t[k + 1]]).collect::<Vec<_>>()
     });
     let mut steps = [vec![1.0f64; spans[0].len()], vec![1.0f64; spans[1].len()]];
     let meets = |k: usize, span: &[f64; 2]| {
@@ -313,6 +310,10 @@ pub(super) fn direction([u, v]: [f64; 2]) -> Vector3 {
 pub(super) fn off_chord(p: &Point3, [a, b]: [&Point3; 2]) -> f64 {
     let along = b - a;
     let t = along.dot(&(p - a)) / along.norm_squared();
-    let t = if t.is_finite() { t.clamp(0.0, 1.0) } else { 0.0 };
+    let t = if t.is_finite() {
+        t.clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
     (a + along * t - p).norm()
 }

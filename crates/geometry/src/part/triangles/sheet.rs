@@ -88,7 +88,11 @@ impl<'a> Sheet<'a> {
             let [low, high] = self.range[*direction];
             if (uv[*direction] - value).abs() <= AT_POLE * (high - low).max(value.abs()) {
                 let last = edge.curve.segments() as f64;
-                let inside = if g < 0.5 * last { g + BESIDE } else { g - BESIDE };
+                let inside = if g < 0.5 * last {
+                    g + BESIDE
+                } else {
+                    g - BESIDE
+                };
                 uv[1 - direction] = at(inside).map_or(0.0, |beside| beside[1 - direction]);
                 uv[*direction] = *value;
             }
@@ -123,8 +127,11 @@ impl<'a> Sheet<'a> {
         };
         // Poles are recognised by the range: a first guess of it.
         self.range = [[0.0; 2]; 2];
-        let looks: Vec<Vec<(f64, [f64; 2])>> =
-            self.uses.iter().map(|&user| self.looks(part, user)).collect();
+        let looks: Vec<Vec<(f64, [f64; 2])>> = self
+            .uses
+            .iter()
+            .map(|&user| self.looks(part, user))
+            .collect();
         for d in 0..2 {
             let period = self.cut[d];
             if period > 0.0 {
@@ -170,7 +177,11 @@ impl<'a> Sheet<'a> {
         }
         let finite = self.range.iter().flatten().all(|x| x.is_finite());
         let wide = self.range.iter().any(|[low, high]| high > low);
-        if finite && wide { Ok(()) } else { Err(unbounded) }
+        if finite && wide {
+            Ok(())
+        } else {
+            Err(unbounded)
+        }
     }
 
     /// With steps for a tolerance, `finer` times as many.
@@ -202,7 +213,11 @@ impl<'a> Sheet<'a> {
         let mut edge: Vec<Vector3> = Vec::new();
         for &(e, _) in &self.uses {
             let curve = &part.edges[e as usize].curve;
-            edge.extend(curve.samples(LOOKS).filter_map(|at| direction(&curve.point(at))));
+            edge.extend(
+                curve
+                    .samples(LOOKS)
+                    .filter_map(|at| direction(&curve.point(at))),
+            );
         }
         let quarter = std::f64::consts::FRAC_PI_2;
         let all = [[0.0, 4.0 * quarter], [-quarter, quarter]];
@@ -211,7 +226,10 @@ impl<'a> Sheet<'a> {
         for pair in edge.windows(2) {
             let side = pair[0].cross(&pair[1]).try_normalize(f64::MIN_POSITIVE);
             let middle = pair[0] + pair[1];
-            for way in side.into_iter().flat_map(|side| [0.05, 0.5].map(|far| side * far)) {
+            for way in side
+                .into_iter()
+                .flat_map(|side| [0.05, 0.5].map(|far| side * far))
+            {
                 let way = way * (pair[1] - pair[0]).norm();
                 candidates.extend([0.5 * middle + way, 0.5 * middle - way].map(|c| c.normalize()));
             }
@@ -219,7 +237,9 @@ impl<'a> Sheet<'a> {
         let mut best = (0.0, below);
         for to in candidates {
             let (u, v) = (libm::atan2(to.y, to.x), libm::asin(to.z.clamp(-1.0, 1.0)));
-            let far = edge.iter().fold(4.0, |far: f64, e| far.min((e - to).norm()));
+            let far = edge
+                .iter()
+                .fold(4.0, |far: f64, e| far.min((e - to).norm()));
             if far > best.0 && !self.face.trim.contains([u, v]) {
                 best = (far, to);
             }
@@ -236,7 +256,10 @@ impl<'a> Sheet<'a> {
         for (d, ruler) in rulers.iter().enumerate().filter(|(_, r)| r.period > 0.0) {
             let beside = |g: f64| ruler.beside_cut(self.raw(part, user, g)[d]);
             let looks = self.looks(part, user);
-            let besides: Vec<f64> = looks.iter().map(|(_, uv)| ruler.beside_cut(uv[d])).collect();
+            let besides: Vec<f64> = looks
+                .iter()
+                .map(|(_, uv)| ruler.beside_cut(uv[d]))
+                .collect();
             for k in 1..looks.len() {
                 let (a, b) = (besides[k - 1], besides[k]);
                 match [a, b].map(Ruler::is_on_cut) {

@@ -86,9 +86,7 @@ fn block(half: f64, hole: Option<f64>) -> Brep {
             m.vertex(at(0), at(1), at(2))
         })
         .collect();
-    let rings = hole.map(|r| {
-        [-half, half].map(|z| m.circle([0.0, 0.0, z], r, 0.3))
-    });
+    let rings = hole.map(|r| [-half, half].map(|z| m.circle([0.0, 0.0, z], r, 0.3)));
     let mut edges: BTreeMap<(u32, u32), u32> = BTreeMap::new();
     // Corners counter-clockwise seen from outside, and the normal.
     let sides = [
@@ -145,7 +143,12 @@ fn cylinder(radius_m: f64, height: f64, seam: bool, turn: f64) -> Brep {
     };
     let bounds = if seam {
         let line = m.line([0, 1]);
-        vec![around(&[(low, true), (line, true), (high, false), (line, false)])]
+        vec![around(&[
+            (low, true),
+            (line, true),
+            (high, false),
+            (line, false),
+        ])]
     } else {
         vec![around(&[(low, true)]), around(&[(high, false)])]
     };
@@ -211,7 +214,11 @@ fn half_cone(radius_m: f64, height: f64) -> Brep {
     };
     let round = around(&[(arc, true), (up, true), (down, true)]);
     m.face(carrier, true, vec![round]);
-    m.face(plane(-height, false), true, vec![around(&[(base, false), (arc, false)])]);
+    m.face(
+        plane(-height, false),
+        true,
+        vec![around(&[(base, false), (arc, false)])],
+    );
     let wall = Carrier::Plane(axes([0.0; 3], -Vector3::y()));
     let bounds = around(&[(base, true), (down, false), (up, false)]);
     m.face(wall, true, vec![bounds]);
@@ -231,7 +238,11 @@ fn torus(major_m: f64, minor_m: f64) -> Brep {
 
 fn volume(mesh: &PartMesh) -> f64 {
     let p = |k: u32| mesh.mesh.points[k as usize].coords;
-    let six = mesh.mesh.triangles.iter().map(|t| p(t[0]).dot(&p(t[1]).cross(&p(t[2]))));
+    let six = mesh
+        .mesh
+        .triangles
+        .iter()
+        .map(|t| p(t[0]).dot(&p(t[1]).cross(&p(t[2]))));
     six.sum::<f64>() / 6.0
 }
 
@@ -244,13 +255,20 @@ fn check(brep: &Brep, mesh: &PartMesh, euler: i64, tolerance_m: f64, what: &str)
         }
     }
     for (&(a, b), &count) in &sides {
-        assert!(a != b && count == 1, "{what}: {a} {b} is used {count} times");
+        assert!(
+            a != b && count == 1,
+            "{what}: {a} {b} is used {count} times"
+        );
         assert!(sides.contains_key(&(b, a)), "{what}: {a} {b} is open");
     }
-    let found = mesh.mesh.points.len() as i64 - sides.len() as i64 / 2
-        + mesh.mesh.triangles.len() as i64;
+    let found =
+        mesh.mesh.points.len() as i64 - sides.len() as i64 / 2 + mesh.mesh.triangles.len() as i64;
     assert_eq!(found, euler, "{what}");
-    assert!(mesh.deviation_m <= tolerance_m, "{what}: {}", mesh.deviation_m);
+    assert!(
+        mesh.deviation_m <= tolerance_m,
+        "{what}: {}",
+        mesh.deviation_m
+    );
     for (t, &f) in mesh.mesh.triangles.iter().zip(&mesh.faces) {
         let [a, b, c] = t.map(|k| mesh.mesh.points[k as usize]);
         let middle = Point3::from((a.coords + b.coords + c.coords) / 3.0);
@@ -300,11 +318,17 @@ fn closed_near_and_outward_in_any_pose() {
             let part = Part::new(&placed).unwrap_or_else(|e| panic!("{name}: {e}"));
             for tolerance_m in [3e-2, 3e-3, 3e-4] {
                 let what = format!("{name}, pose {pose}, {tolerance_m}");
-                let mesh = part.triangles(tolerance_m, MOST).unwrap_or_else(|e| panic!("{what}: {e}"));
+                let mesh = part
+                    .triangles(tolerance_m, MOST)
+                    .unwrap_or_else(|e| panic!("{what}: {e}"));
                 check(&placed, &mesh, euler, tolerance_m * (1.0 + 1e-9), &what);
                 let area: f64 = 3.5;
                 let off = (volume(&mesh) - exact).abs();
-                assert!(off <= area * tolerance_m, "{what}: {} {exact}", volume(&mesh));
+                assert!(
+                    off <= area * tolerance_m,
+                    "{what}: {} {exact}",
+                    volume(&mesh)
+                );
             }
         }
     }
@@ -317,7 +341,13 @@ fn figures() {
         for tolerance_m in [1e-2, 1e-3, 1e-4] {
             let start = std::time::Instant::now();
             match part.triangles(tolerance_m, MOST) {
-                Ok(mesh) => println!("{name} {tolerance_m}: {} triangles, deviation {:.2e}, volume off {:.2e}, {:?}", mesh.faces.len(), mesh.deviation_m, volume(&mesh)/exact-1.0, start.elapsed()),
+                Ok(mesh) => println!(
+                    "{name} {tolerance_m}: {} triangles, deviation {:.2e}, volume off {:.2e}, {:?}",
+                    mesh.faces.len(),
+                    mesh.deviation_m,
+                    volume(&mesh) / exact - 1.0,
+                    start.elapsed()
+                ),
                 Err(e) => println!("{name} {tolerance_m}: {e}"),
             }
         }
@@ -328,7 +358,10 @@ fn figures() {
 fn what_cannot_be_divided_is_said() {
     let part = Part::new(&sphere(0.5)).unwrap();
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        assert!(matches!(part.triangles(bad, MOST), Err(TrianglesError::Tolerance(_))));
+        assert!(matches!(
+            part.triangles(bad, MOST),
+            Err(TrianglesError::Tolerance(_))
+        ));
     }
     for (name, brep, ..) in shapes() {
         let part = Part::new(&brep).unwrap();
