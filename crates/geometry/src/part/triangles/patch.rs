@@ -299,7 +299,7 @@ impl Sketch<'_> {
                     .all(|&x| twins[1].iter().all(|&y| self.taken.is_free([x, y, 0.0])));
                 if free {
                     let carrier = &sheet.face.carrier;
-                    self.add_inner(uv, carrier.point(carrier.confined(uv)));
+                    self.add_inner(uv, carrier.point(sheet.confined(uv)));
                 }
             }
         }

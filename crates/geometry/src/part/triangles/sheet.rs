@@ -2,7 +2,7 @@
 
 use super::super::bezier;
 use super::super::carrier::Carrier;
-use super::super::chart::lifted;
+use super::super::chart::{lifted, wrap};
 use super::super::part::{Edge, Face, Part};
 use super::ruler::{self, Plane, Ruler};
 use super::{Id, TrianglesError};
@@ -58,7 +58,7 @@ impl<'a> Sheet<'a> {
         for (k, (direction, value)) in ruler::poles(&face.carrier).into_iter().enumerate() {
             let mut uv = [0.0; 2];
             uv[direction] = value;
-            let point = face.carrier.point(face.carrier.confined(uv));
+            let point = face.carrier.point(sheet.confined(uv));
             let near = 1e-6 * part.size_m();
             let vertex = part
                 .vertices
@@ -314,12 +314,27 @@ impl<'a> Sheet<'a> {
         }
     }
 
+    /// Parameters within the domain of a B-spline; others as they are.
+    pub fn confined(&self, uv: [f64; 2]) -> [f64; 2] {
+        let Carrier::Spline(surface) = &self.face.carrier else {
+            return uv;
+        };
+        let domains = [surface.knots_u(), surface.knots_v()].map(|knots| knots.domain());
+        std::array::from_fn(|d| {
+            let (low, high) = domains[d];
+            match (low..=high).contains(&uv[d]) || self.cut[d] == 0.0 {
+                true => uv[d].clamp(low, high),
+                false => low + wrap(uv[d] - low, self.cut[d]),
+            }
+        })
+    }
+
     /// How far a point is from the carrier, m; `uv` is near it.
     pub fn off_m(&self, point: &Point3, uv: [f64; 2]) -> f64 {
         let carrier = &self.face.carrier;
         match (carrier, carrier.axes()) {
             (Carrier::Spline(_), _) => {
-                let uv = carrier.confined(uv);
+                let uv = self.confined(uv);
                 (carrier.point(uv) - point).dot(&carrier.normal(uv)).abs()
             }
             (_, Some(axes)) => match carrier.foot(point) {
@@ -363,10 +378,7 @@ fn events(looks: &[Vec<(f64, [f64; 2])>], d: usize) -> Vec<f64> {
 
 /// The middle of the widest range without a value; 0 without values.
 fn widest_gap(values: Vec<f64>, period: f64) -> f64 {
-    let mut values: Vec<f64> = values
-        .into_iter()
-        .map(|x| super::super::chart::wrap(x, period))
-        .collect();
+    let mut values: Vec<f64> = values.into_iter().map(|x| wrap(x, period)).collect();
     values.sort_unstable_by(f64::total_cmp);
     let Some(&first) = values.first() else {
         return 0.0;
