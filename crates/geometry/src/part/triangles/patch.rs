@@ -264,7 +264,8 @@ impl Sketch<'_> {
             return Ok(());
         };
         let counts = [0, 1].map(|d| rulers[d].steps());
-        if !((counts[0] + 1.0) * (counts[1] + 1.0) <= 4.0 * most as f64 + 1e4) {
+        let grid = (counts[0] + 1.0) * (counts[1] + 1.0);
+        if grid.is_nan() || grid > 4.0 * most as f64 + 1e4 {
             return Err(Problem::Error(TrianglesError::TooMany { most }));
         }
         let last = counts.map(|c| c.round() as usize);
@@ -496,7 +497,7 @@ struct Taken {
 impl Taken {
     fn new(places: Vec<[f64; 3]>) -> Self {
         let mut places: Vec<_> = places.into_iter().map(|p| (cell(p), p)).collect();
-        places.sort_unstable_by(|a, b| a.0.cmp(&b.0));
+        places.sort_unstable_by_key(|place: &([i64; 3], [f64; 3])| place.0);
         Self { places }
     }
 

@@ -280,7 +280,8 @@ pub(super) fn lattice(extent: &[[f64; 2]; 2], step: f64, most: usize) -> Option<
     let [u, v] = *extent;
     let rows = ((v[1] - v[0]) / (0.9 * step)).ceil().max(2.0);
     let full = (u[1] - u[0]) / step;
-    if !(rows * (1.0 + 0.6 * full) <= 4.0 * most as f64 + 1e4) {
+    let count = rows * (1.0 + 0.6 * full);
+    if count.is_nan() || count > 4.0 * most as f64 + 1e4 {
         return None;
     }
     let mut out = Vec::new();
