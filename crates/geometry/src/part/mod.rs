@@ -15,6 +15,7 @@ mod measure;
 mod part;
 mod pcurve;
 mod tree;
+mod triangles;
 mod trim;
 
 pub use brep::{Brep, BrepBound, BrepCurve, BrepEdge, BrepFace, BrepShell, OutOfRange, Placing};
@@ -23,6 +24,7 @@ pub use closest::{PartFoot, PartSolver, Support};
 pub use curve::CurveProblem;
 pub use measure::PartMeasure;
 pub use part::{FaceInfo, Part, PartError};
+pub use triangles::{PartMesh, TrianglesError};
 pub use trim::TrimProblem;
 
 #[cfg(test)]

@@ -285,7 +285,7 @@ impl Mesh {
 
 impl BezierPieces {
     /// Bounds of |S_uu| h², |S_uv| h k and |S_vv| k² on a piece of h × k parameters, m.
-    fn second_derivative_bounds(&self, piece: usize) -> [f64; 3] {
+    pub(crate) fn second_derivative_bounds(&self, piece: usize) -> [f64; 3] {
         let (p, q) = (self.u.degree, self.v.degree);
         let points = self.points(piece);
         let (mut least, mut reach) = (f64::INFINITY, 0.0_f64);
