@@ -244,23 +244,6 @@ impl Carrier {
 }
 
 impl Carrier {
-    /// Parameters of a B-spline within its domain, as near as they can be; others as they are.
-    pub(super) fn confined(&self, [u, v]: [f64; 2]) -> [f64; 2] {
-        let Self::Spline(surface) = self else {
-            return [u, v];
-        };
-        let periods = self.periods();
-        let within = |x: f64, (low, high): (f64, f64), period: f64| match period {
-            0.0 => x.clamp(low, high),
-            _ if (low..=high).contains(&x) => x,
-            _ => low + super::chart::wrap(x - low, period),
-        };
-        [
-            within(u, surface.knots_u().domain(), periods[0]),
-            within(v, surface.knots_v().domain(), periods[1]),
-        ]
-    }
-
     /// Corners of a box around a rectangle of parameters, m.
     pub(super) fn bounds(&self, extent: &[[f64; 2]; 2]) -> (Point3, Point3) {
         let [u, v] = extent;

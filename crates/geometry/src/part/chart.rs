@@ -30,6 +30,8 @@ pub(super) struct Chart {
     pub origin: [f64; 2],
     /// Of the carrier, if it is elementary.
     axes: Option<Axes>,
+    /// Of a B-spline: low and high of u and of v.
+    domain: Option<[[f64; 2]; 2]>,
 }
 
 impl Chart {
@@ -53,6 +55,13 @@ impl Chart {
             periods: carrier.periods(),
             origin,
             axes: carrier.axes().copied(),
+            domain: match carrier {
+                Carrier::Spline(s) => Some([s.knots_u(), s.knots_v()].map(|k| {
+                    let (low, high) = k.domain();
+                    [low, high]
+                })),
+                _ => None,
+            },
         }
     }
 
@@ -101,6 +110,21 @@ impl Chart {
             wrap(u - self.origin[0], self.periods[0]),
             wrap(v - self.origin[1], self.periods[1]),
         ]
+    }
+
+    /// Parameters of a B-spline within its domain, as near as they can be; others as they are.
+    pub fn confined(&self, uv: [f64; 2]) -> [f64; 2] {
+        let Some(domain) = self.domain else {
+            return uv;
+        };
+        std::array::from_fn(|k| {
+            let [low, high] = domain[k];
+            match self.periods[k] {
+                0.0 => uv[k].clamp(low, high),
+                _ if (low..=high).contains(&uv[k]) => uv[k],
+                period => low + wrap(uv[k] - low, period),
+            }
+        })
     }
 
     /// v where all the points of one u meet: below and above.

@@ -206,6 +206,10 @@ impl EdgeCurve {
         }
     }
 
+    pub fn is_line(&self) -> bool {
+        self.shape == Shape::Line
+    }
+
     pub fn degree(&self) -> usize {
         self.degree
     }

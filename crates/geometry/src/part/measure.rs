@@ -12,6 +12,8 @@ use std::f64::consts::FRAC_PI_4;
 
 /// Points of the rule on a piece of an arc, and on a piece of the way across.
 const POINTS: usize = 16;
+/// The same on B-splines, whose pieces are short.
+const POINTS_ON_SPLINE: usize = 7;
 
 /// Areas and volume of a part.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,15 +29,15 @@ pub struct PartMeasure {
 impl Part {
     /// Areas of the faces and the volume within.
     pub fn measure(&self) -> PartMeasure {
-        let rule = gauss_legendre(POINTS);
+        let rules = [POINTS, POINTS_ON_SPLINE].map(gauss_legendre);
         let (low, high) = self.bounds();
         let middle = nalgebra::center(&low, &high);
         let areas: Vec<f64> = (self.faces.iter())
-            .map(|face| face.integral(&rule, |_, across| across.norm()))
+            .map(|face| face.integral(&rules, |_, across| across.norm()))
             .collect();
         let volumes = self.faces.iter().map(|face| {
             let sense = if face.same_sense { 1.0 } else { -1.0 };
-            sense * face.integral(&rule, |point, across| (point - middle).dot(across) / 3.0)
+            sense * face.integral(&rules, |point, across| (point - middle).dot(across) / 3.0)
         });
         PartMeasure {
             area_m2: areas.iter().sum(),
@@ -47,9 +49,11 @@ impl Part {
 
 impl Face {
     /// The integral of a function of S and S_u × S_v over the face's parameters.
-    fn integral(&self, rule: &[(f64, f64)], f: impl Fn(&Point3, &Vector3) -> f64) -> f64 {
+    fn integral(&self, rules: &[Vec<(f64, f64)>; 2], f: impl Fn(&Point3, &Vector3) -> f64) -> f64 {
+        let rule = &rules[usize::from(matches!(self.carrier, Carrier::Spline(_)))];
         let value = |u: f64, v: f64| {
-            let (point, across) = self.carrier.element([u, v]);
+            let uv = self.trim.chart.confined([u, v]);
+            let (point, across) = self.carrier.element(uv);
             f(&point, &across)
         };
         let breaks = self.carrier.breaks();
@@ -120,7 +124,7 @@ impl Breaks {
 impl Carrier {
     /// S and S_u × S_v.
     fn element(&self, [u, v]: [f64; 2]) -> (Point3, Vector3) {
-        let uv = self.confined([u, v]);
+        let uv = [u, v];
         if let Self::Spline(surface) = self {
             let frame = surface.frame(uv[0], uv[1]);
             return (frame.point, frame.du.cross(&frame.dv));

@@ -285,7 +285,7 @@ impl<'a> Build<'a> {
         for chain in &chains {
             let mut walk = Vec::new();
             for &(e, forward) in chain {
-                self.add_side(index, e, solver.as_mut())?;
+                self.add_side(index, e, &chart, solver.as_mut())?;
                 walk.extend(self.pieces(&chart, e, forward));
             }
             // On the carrier's own side the face is on the right where the senses differ.
@@ -369,6 +369,7 @@ impl<'a> Build<'a> {
         &mut self,
         face: u32,
         e: u32,
+        chart: &Chart,
         solver: Option<&mut ClosestSolver>,
     ) -> Result<(), PartError> {
         let carrier = &self.brep.faces[face as usize].carrier;
@@ -386,11 +387,11 @@ impl<'a> Build<'a> {
                 Some(pcurve) => Some(pcurve.at(at)),
                 None => carrier.foot(&point),
             };
-            let foot = uv.map(|uv| carrier.point(carrier.confined(uv)));
+            let foot = uv.map(|uv| carrier.point(chart.confined(uv)));
             let off = foot.map_or(0.0, |foot| (foot - point).norm());
             gap_m = gap_m.max(off);
         }
-        if !(gap_m <= self.most_gap_m) {
+        if gap_m > self.most_gap_m || gap_m.is_nan() {
             return Err(PartError::OffSurface {
                 edge: edge.id,
                 face: self.brep.faces[face as usize].id,
@@ -449,7 +450,7 @@ impl<'a> Build<'a> {
                 }) else {
                     continue;
                 };
-                let normal = face.normal(face.carrier.confined(uv));
+                let normal = face.normal(face.trim.chart.confined(uv));
                 let back = -into;
                 let mut angle = libm::atan2(normal.dot(&out.cross(&back)), out.dot(&back));
                 if angle < 0.0 {

@@ -454,13 +454,17 @@ impl Trim {
     /// The base for which the left of the arcs is inside.
     fn settle_base(&mut self) -> Result<(), TrimProblem> {
         let mut votes: Vec<(i32, f64)> = Vec::new();
-        let size = self.reach.map(|[low, high]| (high - low).max(f64::MIN_POSITIVE));
+        let size = self
+            .reach
+            .map(|[low, high]| (high - low).max(f64::MIN_POSITIVE));
         // An arc that is upright but for rounding says nothing of what is above and below it.
         let says = |arc: &Arc| {
             let [across, along] = [arc.u, arc.v].map(|[a, b]| (b - a).abs());
             across / size[0] > 1e-4 * along / size[1] && arc.path != Path::Level
         };
-        let telling: Vec<usize> = (0..self.arcs.len()).filter(|&k| says(&self.arcs[k])).collect();
+        let telling: Vec<usize> = (0..self.arcs.len())
+            .filter(|&k| says(&self.arcs[k]))
+            .collect();
         for &k in telling.iter().step_by(1 + telling.len() / MOST_VOTES) {
             let arc = &self.arcs[k];
             let u = 0.5 * (arc.u[0] + arc.u[1]);

@@ -316,17 +316,7 @@ impl<'a> Sheet<'a> {
 
     /// Parameters within the domain of a B-spline; others as they are.
     pub fn confined(&self, uv: [f64; 2]) -> [f64; 2] {
-        let Carrier::Spline(surface) = &self.face.carrier else {
-            return uv;
-        };
-        let domains = [surface.knots_u(), surface.knots_v()].map(|knots| knots.domain());
-        std::array::from_fn(|d| {
-            let (low, high) = domains[d];
-            match (low..=high).contains(&uv[d]) || self.cut[d] == 0.0 {
-                true => uv[d].clamp(low, high),
-                false => low + wrap(uv[d] - low, self.cut[d]),
-            }
-        })
+        self.face.trim.chart.confined(uv)
     }
 
     /// How far a point is from the carrier, m; `uv` is near it.
