@@ -10,10 +10,26 @@ use super::trim::Trim;
 use crate::math::{Point3, Vector3, gauss_legendre};
 use std::f64::consts::FRAC_PI_4;
 
-/// Points of the rule on a piece of an arc, and on a piece of the way across.
+/// Points of the rule on a piece of an arc, and between two breaks on the way across.
 const POINTS: usize = 16;
-/// The same on B-splines, whose pieces are short.
-const POINTS_ON_SPLINE: usize = 7;
+/// The same where pieces or breaks are many, and short.
+const FEW_POINTS: usize = 7;
+const MANY_WALKS: usize = 200;
+const MANY_BREAKS: usize = 8;
+
+/// Both rules.
+struct Rules([Vec<(f64, f64)>; 2]);
+
+impl Rules {
+    fn for_walks(&self, count: usize) -> &[(f64, f64)] {
+        &self.0[usize::from(count > MANY_WALKS)]
+    }
+
+    fn for_breaks(&self, breaks: &Breaks) -> &[(f64, f64)] {
+        let many = matches!(breaks, Breaks::Knots(knots) if knots.len() > MANY_BREAKS);
+        &self.0[usize::from(many)]
+    }
+}
 
 /// Areas and volume of a part.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,7 +45,7 @@ pub struct PartMeasure {
 impl Part {
     /// Areas of the faces and the volume within.
     pub fn measure(&self) -> PartMeasure {
-        let rules = [POINTS, POINTS_ON_SPLINE].map(gauss_legendre);
+        let rules = Rules([POINTS, FEW_POINTS].map(gauss_legendre));
         let (low, high) = self.bounds();
         let middle = nalgebra::center(&low, &high);
         let areas: Vec<f64> = (self.faces.iter())
@@ -49,8 +65,8 @@ impl Part {
 
 impl Face {
     /// The integral of a function of S and S_u × S_v over the face's parameters.
-    fn integral(&self, rules: &[Vec<(f64, f64)>; 2], f: impl Fn(&Point3, &Vector3) -> f64) -> f64 {
-        let rule = &rules[usize::from(matches!(self.carrier, Carrier::Spline(_)))];
+    fn integral(&self, rules: &Rules, f: impl Fn(&Point3, &Vector3) -> f64) -> f64 {
+        let rule = rules.for_walks(self.trim.walks().count());
         let value = |u: f64, v: f64| {
             let uv = self.trim.chart.confined([u, v]);
             let (point, across) = self.carrier.element(uv);
@@ -60,8 +76,14 @@ impl Face {
         let chart = &self.trim.chart;
         let [ou, ov] = chart.origin;
         let low = self.trim.bottom();
-        let inner =
-            |u: f64, v: f64| over(rule, &breaks[1], [low + ov, v + ov], |v| value(u + ou, v));
+        let inner = |u: f64, v: f64| {
+            over(
+                rules.for_breaks(&breaks[1]),
+                &breaks[1],
+                [low + ov, v + ov],
+                |v| value(u + ou, v),
+            )
+        };
         let arcs: f64 = (self.trim.walks())
             .map(|walk| walk.integral(rule, chart, &inner))
             .sum();
@@ -69,7 +91,13 @@ impl Face {
         for ([from, to], count) in self.trim.bases() {
             if let (true, Some(top)) = (count != 0, self.carrier.top(&self.trim)) {
                 let across = |u: f64| inner(u - ou, top);
-                base += f64::from(count) * over(rule, &breaks[0], [from + ou, to + ou], across);
+                base += f64::from(count)
+                    * over(
+                        rules.for_breaks(&breaks[0]),
+                        &breaks[0],
+                        [from + ou, to + ou],
+                        across,
+                    );
             }
         }
         base - arcs
