@@ -7,8 +7,8 @@ use palpate_bench::{
     BarOptions, Cases, DocumentOptions, Effort, FaultOptions, Figure, HardRow, LEFT_OUT,
     RecorderOptions, RelayOptions, Row, SoakOptions, SubscriberOptions, TrustRow, bars, contact,
     deformation, documents, faults, figures_table, haptics, hard_cases, hard_table, modeling,
-    pareto, picture, plasticine_picture, plasticine_table, record_until_killed, recording, relay,
-    soak, subscribers, surface, table, trust, trust_picture, trust_table, viewer,
+    pareto, parts, picture, plasticine_picture, plasticine_table, record_until_killed, recording,
+    relay, soak, subscribers, surface, table, trust, trust_picture, trust_table, viewer,
 };
 use std::io::Write;
 use std::process::ExitCode;
@@ -89,6 +89,10 @@ enum Suite {
     Soak(SoakOptions),
     /// Merge, isolate, pipe and branch: times, deviations, ratios, gaps and angles.
     Modeling(Options),
+    /// Closest points of parts from STEP files, their areas and volumes, against references.
+    ///
+    /// OpenCASCADE runs too when PALPATE_PYTHON names a Python that can import OCP.
+    Parts(Options),
     /// Contact queries of points, balls, planes, solids, meshes and surfaces with a body.
     Contact {
         #[command(flatten)]
@@ -195,6 +199,7 @@ fn run(args: &Cli) -> anyhow::Result<ExitCode> {
             say_what_is_left_out();
         }
         Suite::Modeling(options) => drop(options.rows(modeling)?),
+        Suite::Parts(options) => drop(options.rows(parts)?),
         Suite::Contact { options, svg } => {
             let (rows, ()) = options.rows(contact)?;
             write(svg, || picture(&rows))?;

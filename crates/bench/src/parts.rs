@@ -1,0 +1,150 @@
+//! The parts suite: closest points of STEP parts, with their error and their time, beside OpenCASCADE where
+//! `PALPATE_PYTHON` names a Python that can import `OCP`.
+
+use super::measure::{Times, clocked, time};
+use super::{Cases, Effort, Row};
+use crate::peers::python;
+use palpate_geometry::exchange::step::{PartPick, read_part};
+use palpate_geometry::math::Point3;
+use palpate_geometry::part::{Part, PartSolver};
+use std::time::Duration;
+
+const SCRIPT: &str = include_str!("../../../benches/peers/parts.py");
+
+/// A STEP file and its reference, mm.
+struct Input {
+    name: &'static str,
+    step: &'static str,
+    reference: &'static str,
+}
+
+macro_rules! inputs {
+    ($($name:literal),*) => {
+        [$(Input {
+            name: $name,
+            step: include_str!(concat!("../../geometry/tests/data/parts/", $name, ".step")),
+            reference: include_str!(concat!("../../geometry/tests/data/parts/", $name, ".json")),
+        }),*]
+    };
+}
+
+/// What OpenCASCADE prints.
+#[derive(serde::Deserialize)]
+struct Peer {
+    seconds: Vec<f64>,
+    distances: Vec<f64>,
+}
+
+/// Runs cases `closest/<part>`. Each row is handed out as soon as it is measured.
+pub fn parts(effort: Effort, cases: Cases<'_>, out: &mut dyn FnMut(Row)) {
+    let all = inputs![
+        "assembly",
+        "cone_tip",
+        "filleted_box",
+        "loft",
+        "pipe",
+        "saddle",
+        "seam_cut",
+        "shelled_box",
+        "sphere_minus_boxes",
+        "text_cut",
+        "thread",
+        "turned"
+    ];
+    for input in all {
+        let case = format!("closest/{}", input.name);
+        if cases.has(&case) {
+            one(effort, &input, &case, out);
+        }
+    }
+}
+
+fn one(effort: Effort, input: &Input, case: &str, out: &mut dyn FnMut(Row)) {
+    let row = |method: &str| Row::new("parts", case, method);
+    let (took, built) = clocked(|| {
+        let read = read_part(input.step.as_bytes(), &PartPick::default());
+        read.map_err(|e| e.to_string())
+            .and_then(|read| Part::new(&read.brep).map_err(|e| e.to_string()))
+    });
+    let part = match built {
+        Ok(part) => part,
+        Err(error) => return out(row("palpate").saying(error)),
+    };
+    let data: serde_json::Value = serde_json::from_str(input.reference).unwrap_or_default();
+    let queries = data["queries"].as_array().map_or(&[][..], Vec::as_slice);
+    let number = |value: &serde_json::Value| value.as_f64().unwrap_or(f64::NAN);
+    let points_mm: Vec<[f64; 3]> = (queries.iter())
+        .map(|q| [0, 1, 2].map(|k| number(&q[k])))
+        .collect();
+    let size_mm = number(&data["size"]);
+    let most_mm = 1e-9 * size_mm + 2e3 * part.gap_m();
+    let mut solver = PartSolver::new(&part);
+    let (mut worst_mm, mut wrong) = (0.0f64, 0);
+    let calls = if effort == Effort::Quick {
+        200
+    } else {
+        queries.len()
+    };
+    let times = time(calls, Duration::from_secs(5), |k| {
+        let q = Point3::from(points_mm[k]) * 1e-3;
+        let (took, foot) = clocked(|| solver.closest(&part, &q));
+        let distance_mm = foot.map_or(f64::NAN, |foot| foot.distance * 1e3);
+        let signed = foot.and_then(|foot| foot.signed_distance);
+        if queries[k][3] != "disputed" {
+            let off_mm = (distance_mm - number(&queries[k][4])).abs();
+            worst_mm = worst_mm.max(off_mm);
+            let side = match queries[k][10].as_str() {
+                Some("in") => signed.is_some_and(|d| d > 0.0),
+                Some("out") => signed.is_some_and(|d| d < 0.0),
+                _ => false,
+            };
+            wrong +=
+                usize::from(off_mm > most_mm || off_mm.is_nan() || side && distance_mm > most_mm);
+        }
+        took
+    });
+    let measure = part.measure();
+    let volume = measure
+        .volume_m3
+        .map(|v| v * 1e9 / number(&data["volume"]) - 1.0);
+    let area = measure.area_m2 * 1e6 / number(&data["area"]) - 1.0;
+    out(Row {
+        wrong: Some(wrong),
+        ..row("palpate")
+            .timed(times)
+            .off_by(worst_mm / size_mm, "of the size")
+            .saying(format!(
+                "{} faces, gap {:.0e} of the size, area {:.0e}, volume {:.0e} off, read in {:.1} ms",
+                part.faces().len(),
+                part.gap_m() / part.size_m(),
+                area.abs(),
+                volume.unwrap_or(f64::NAN).abs(),
+                took.as_secs_f64() * 1e3
+            ))
+    });
+    let asked = serde_json::json!({ "step": input.step, "points": points_mm[..calls] });
+    if let Some(answer) = python::answer::<Peer>(SCRIPT, &asked) {
+        let peer = Row {
+            peer: true,
+            ..row("OpenCASCADE")
+        };
+        out(match answer {
+            Err(error) => peer.saying(error),
+            Ok(found) => {
+                let offs = found
+                    .distances
+                    .iter()
+                    .zip(queries)
+                    .filter(|(_, q)| q[3] != "disputed");
+                let offs: Vec<f64> = offs.map(|(d, q)| (d - number(&q[4])).abs()).collect();
+                Row {
+                    wrong: Some(offs.iter().filter(|&&off| off > most_mm).count()),
+                    ..peer.timed(Times::of(found.seconds)).off_by(
+                        offs.iter().copied().fold(0.0, f64::max) / size_mm,
+                        "of the size",
+                    )
+                }
+            }
+        });
+    }
+}
