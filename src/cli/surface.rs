@@ -59,7 +59,7 @@ pub(super) struct SurfaceArg {
     /// Surface file (.json, .step, .stp, .iges, .igs), or builtin:NAME (sheet, sphere, teardrop,
     /// torus).
     file: PathBuf,
-    /// Index of the surface in a file with several, from 0.
+    /// Index of the surface in a file with several, from 0; of a STEP file one surface, not the part.
     #[arg(long, value_name = "N")]
     index: Option<usize>,
     /// Use the whole surface where the file trims or places it, or has faces that are not B-splines.
