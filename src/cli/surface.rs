@@ -7,14 +7,19 @@ mod info;
 mod isolate;
 pub(super) mod make;
 mod merge;
+mod part;
 mod pipe;
 mod query;
 
 use super::Outcome;
 use anyhow::Context as _;
-use palpate_geometry::exchange::{Imported, LeftOut, LengthUnit, Pick, read_surface_file};
+use palpate_geometry::exchange::step::{PartPick, StepError, read_part};
+use palpate_geometry::exchange::{
+    ExchangeError, Format, Imported, LeftOut, LengthUnit, Pick, read_surface, read_surface_file,
+};
 use palpate_geometry::surface::{Surface, builtin};
-use std::path::PathBuf;
+use part::{LoadedPart, Misuse};
+use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]
 pub struct Args {
@@ -24,11 +29,11 @@ pub struct Args {
 
 #[derive(clap::Subcommand, Debug)]
 enum Command {
-    /// Print degrees, control net, knots, closure and measures.
+    /// Print degrees, control net, knots, closure and measures; of a part its faces and measures.
     Info(info::Args),
     /// Evaluate points and derivatives at parameters.
     Eval(query::EvalArgs),
-    /// Find the closest point of the surface for each given point.
+    /// Find the closest point of the surface or part for each given point.
     Closest(query::ClosestArgs),
     /// Convert to another format, as a surface or as triangles.
     Convert(make::ConvertArgs),
@@ -48,27 +53,47 @@ enum Command {
     Branch(branch::Args),
 }
 
-/// The surface to read.
-#[derive(clap::Args, Debug)]
+/// The surface or part to read.
+#[derive(clap::Args, Debug, Default)]
 pub(super) struct SurfaceArg {
     /// Surface file (.json, .step, .stp, .iges, .igs), or builtin:NAME (sheet, sphere, teardrop,
     /// torus).
     file: PathBuf,
-    /// Index of the surface in a file with several, from 0.
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    index: usize,
+    /// Index of the surface in a file with several, from 0; of a STEP file one surface, not the part.
+    #[arg(long, value_name = "N")]
+    index: Option<usize>,
     /// Use the whole surface where the file trims or places it, or has faces that are not B-splines.
     #[arg(long)]
     ignore_trims: bool,
+    /// Name or number of the part in a STEP file with several [default: all].
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["index", "ignore_trims"])]
+    part: Option<String>,
+    /// Which of the places of the part, from 0 [default: all].
+    #[arg(long, value_name = "K", conflicts_with_all = ["index", "ignore_trims"])]
+    instance: Option<usize>,
+    /// Leave out faces of a part that cannot be read, and end with exit code 1.
+    #[arg(long, conflicts_with_all = ["index", "ignore_trims"])]
+    partial: bool,
 }
 
 /// A file whose shape is not that of the surface in it: exit code 1.
 #[derive(Debug, thiserror::Error)]
 #[error(
-    "left out: {left_out}; `palpate surface convert FILE OUT.json --ignore-trims` takes the whole surface, in its own coordinates"
+    "left out: {left_out}; `palpate surface convert FILE OUT.json --ignore-trims` takes the whole surface, in its own \
+     coordinates{instead}"
 )]
 pub(super) struct Incomplete {
     left_out: LeftOut,
+    /// What else can be done.
+    instead: &'static str,
+}
+
+/// What a file has.
+enum Opened {
+    /// One whole B-spline surface.
+    Surface(Box<Loaded>),
+    /// Trimmed faces.
+    Part(Box<LoadedPart>),
 }
 
 /// A surface (m) and the unit of its file.
@@ -85,17 +110,68 @@ pub(super) struct Loaded {
 }
 
 impl SurfaceArg {
+    /// The surface of a file at a place, from 0.
+    pub(super) fn at(file: &Path, index: usize) -> Self {
+        Self {
+            file: file.to_owned(),
+            index: Some(index),
+            ..Self::default()
+        }
+    }
+
     /// As given.
-    pub(super) fn path(&self) -> &std::path::Path {
+    pub(super) fn path(&self) -> &Path {
         &self.file
     }
 
+    fn named(&self) -> String {
+        self.file.display().to_string()
+    }
+
+    fn is_step(&self) -> bool {
+        matches!(Format::of(&self.file), Ok(Format::Step))
+    }
+
+    fn part_pick(&self) -> PartPick {
+        PartPick {
+            part: self.part.clone(),
+            instance: self.instance,
+            partial: self.partial,
+        }
+    }
+
+    /// A surface where the file is one, whole, or where one is asked for; else the part that a STEP file is.
+    fn open(&self) -> anyhow::Result<Opened> {
+        let surface = |loaded| Opened::Surface(Box::new(loaded));
+        if !self.is_step() || self.index.is_some() || self.ignore_trims {
+            return self.load().map(surface);
+        }
+        let bytes = std::fs::read(&self.file).with_context(|| self.named())?;
+        let pick = self.part_pick();
+        let any = pick == PartPick::default();
+        let one = read_surface(&bytes, Format::Step, Pick::First);
+        let is_whole = |one: &Imported| one.count == 1 && !one.left_out.is_any();
+        if any && one.as_ref().is_ok_and(is_whole) {
+            return self.loaded(one?).map(surface);
+        }
+        match (read_part(&bytes, &pick), one) {
+            // Surfaces of no face.
+            (Err(StepError::NoFaces { .. }), Ok(one)) if any => self.loaded(one).map(surface),
+            (part, _) => part
+                .map_err(anyhow::Error::from)
+                .and_then(|part| LoadedPart::new(part, &self.file))
+                .map(|part| Opened::Part(Box::new(part)))
+                .with_context(|| self.named()),
+        }
+    }
+
+    /// A surface; parts are refused.
     pub(super) fn load(&self) -> anyhow::Result<Loaded> {
-        if let Some(name) = self
-            .file
-            .to_str()
-            .and_then(|text| text.strip_prefix("builtin:"))
-        {
+        if self.part_pick() != PartPick::default() {
+            return Err(Misuse::Options.into());
+        }
+        let name = self.file.to_str();
+        if let Some(name) = name.and_then(|text| text.strip_prefix("builtin:")) {
             let surface = builtin(name, None, None)?;
             return Ok(Loaded {
                 surface,
@@ -106,6 +182,18 @@ impl SurfaceArg {
                 notes: Vec::new(),
             });
         }
+        let read = read_surface_file(&self.file, Pick::Index(self.index.unwrap_or(0)));
+        if let Err(ExchangeError::Step(StepError::NoSurface { .. })) = read
+            && let Ok(bytes) = std::fs::read(&self.file)
+            && let Ok(part) = read_part(&bytes, &PartPick::default())
+        {
+            let faces = part.brep.faces.len();
+            return Err(Misuse::NoSpline { faces }).with_context(|| self.named());
+        }
+        self.loaded(read.with_context(|| self.named())?)
+    }
+
+    fn loaded(&self, imported: Imported) -> anyhow::Result<Loaded> {
         let Imported {
             surface,
             merged,
@@ -113,33 +201,32 @@ impl SurfaceArg {
             unit,
             left_out,
             ..
-        } = read_surface_file(&self.file, Pick::Index(self.index))
-            .with_context(|| self.file.display().to_string())?;
+        } = imported;
+        let named = self.named();
         if !unit.is_stated() {
             eprintln!(
-                "note: {} does not give a unit; assuming {}",
-                self.file.display(),
+                "note: {named} does not give a unit; assuming {}",
                 unit.name()
             );
         }
         if left_out.is_any() {
             if !self.ignore_trims {
-                return Err(Incomplete { left_out })
-                    .with_context(|| self.file.display().to_string());
+                let instead = match self.is_step() {
+                    true => "; `palpate surface info FILE` reads all its faces as a part",
+                    false => "",
+                };
+                return Err(Incomplete { left_out, instead }).context(named);
             }
-            eprintln!("note: {}: left out: {left_out}", self.file.display());
+            eprintln!("note: {named}: left out: {left_out}");
         }
         if count > 1 {
-            eprintln!(
-                "note: {} has {count} surfaces; using number {} (--index)",
-                self.file.display(),
-                self.index
-            );
+            let index = self.index.unwrap_or(0);
+            eprintln!("note: {named} has {count} surfaces; using number {index} (--index)");
         }
         let mut notes: Vec<String> = merged.iter().map(ToString::to_string).collect();
         notes.extend(surface.slits().iter().map(ToString::to_string));
         for note in &notes {
-            eprintln!("note: {}: {note}", self.file.display());
+            eprintln!("note: {named}: {note}");
         }
         Ok(Loaded {
             surface,

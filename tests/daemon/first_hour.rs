@@ -240,11 +240,16 @@ fn check_says_which_rate_a_scene_holds() {
 
 // A box with a hole through it, each face a B-spline but that of the hole.
 #[test]
-fn trimmed_faces_of_step_files_are_said_and_fail() {
+fn a_trimmed_step_file_is_a_part_and_one_of_its_surfaces_is_refused_or_taken_whole() {
     let directory = tempfile::tempdir().unwrap();
     let file = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("crates/geometry/tests/opencascade/drilled_box.step");
     let file = file.to_str().unwrap();
+    let part = palpate(directory.path(), &["surface", "info", file, "--json"]);
+    assert_eq!(code(&part), 0, "{}", words(&part));
+    let faces = json(&part)["faces"].as_array().unwrap().clone();
+    let bored = faces.iter().filter(|face| face["loops"] == 2).count();
+    assert_eq!((faces.len(), bored), (7, 3), "{faces:?}");
     let refused = palpate(directory.path(), &["surface", "info", file, "--index", "4"]);
     assert_eq!(code(&refused), 1);
     assert!(

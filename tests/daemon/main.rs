@@ -58,6 +58,7 @@ mod sessions;
 mod slow_disk;
 mod streaming;
 mod surface_commands;
+mod surface_parts;
 mod surface_pipe;
 mod test_helper;
 mod trust;

@@ -142,12 +142,7 @@ fn grown(path: &Path) -> anyhow::Result<Subject> {
 }
 
 fn checked(args: &Args) -> anyhow::Result<Subject> {
-    let Loaded { surface, .. } = SurfaceArg {
-        ignore_trims: false,
-        file: args.input.clone(),
-        index: args.index,
-    }
-    .load()?;
+    let Loaded { surface, .. } = SurfaceArg::at(&args.input, args.index).load()?;
     let patches =
         PatchTable::recovered(&surface).with_context(|| args.input.display().to_string())?;
     Ok(Subject {

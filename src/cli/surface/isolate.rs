@@ -85,14 +85,7 @@ fn resolution(text: &str) -> Result<Resolution, String> {
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let format = args.output.as_ref().map(Format::of).transpose()?;
-    let one = |file: &PathBuf, index: usize| {
-        SurfaceArg {
-            ignore_trims: false,
-            file: file.clone(),
-            index,
-        }
-        .load()
-    };
+    let one = |file: &PathBuf, index: usize| SurfaceArg::at(file, index).load();
     match args.files.as_slice() {
         [moving, fixed] => {
             let (moving, fixed) = (one(moving, args.index)?, one(fixed, args.fixed_index)?);

@@ -1,6 +1,7 @@
 //! `palpate surface convert` and `tessellate`: files from files.
 
-use super::{Outcome, SurfaceArg};
+use super::part::{LoadedPart, Misuse};
+use super::{Opened, Outcome, SurfaceArg};
 use anyhow::Context as _;
 use palpate_geometry::exchange::{Format, write_mesh, write_surface};
 use palpate_geometry::surface::file::Unit;
@@ -47,6 +48,15 @@ impl Fineness {
             }
         })
     }
+
+    fn part_mesh(&self, loaded: &LoadedPart) -> anyhow::Result<Mesh> {
+        if self.cells.is_some() {
+            return Err(Misuse::Cells.into());
+        }
+        let size_m = loaded.part.size_m();
+        let tolerance_m = self.tolerance.unwrap_or(DEFAULT_TOLERANCE * size_m);
+        Ok(loaded.triangles(tolerance_m)?.mesh)
+    }
 }
 
 #[derive(clap::Args, Debug)]
@@ -63,22 +73,24 @@ pub struct ConvertArgs {
 }
 
 pub fn convert(args: &ConvertArgs) -> anyhow::Result<Outcome> {
-    let surface = args.source.load()?.surface;
-    match Format::of(&args.output)? {
-        format @ (Format::Stl | Format::Obj | Format::Ply | Format::Glb) => {
-            write_triangles(
-                &args.fineness.mesh(&surface)?,
-                format,
-                args.unit,
-                &args.output,
-            )?;
+    let format = Format::of(&args.output)?;
+    let made = Made {
+        format,
+        unit: args.unit,
+        path: &args.output,
+        fineness: &args.fineness,
+    };
+    match (args.source.open()?, format) {
+        (Opened::Part(loaded), _) => made.of_part(&loaded),
+        (Opened::Surface(loaded), Format::Stl | Format::Obj | Format::Ply | Format::Glb) => {
+            made.of_surface(&loaded.surface)
         }
-        format => write(
-            &args.output,
-            &write_surface(&surface, format, args.unit.into())?,
-        )?,
+        (Opened::Surface(loaded), _) => {
+            let bytes = write_surface(&loaded.surface, format, args.unit.into())?;
+            write(&args.output, &bytes)?;
+            Ok(Outcome::Ok)
+        }
     }
-    Ok(Outcome::Ok)
 }
 
 #[derive(clap::Args, Debug)]
@@ -96,25 +108,51 @@ pub struct TessellateArgs {
 }
 
 pub fn tessellate(args: &TessellateArgs) -> anyhow::Result<Outcome> {
-    let format = Format::of(&args.output)?;
-    let surface = args.source.load()?.surface;
-    write_triangles(
-        &args.fineness.mesh(&surface)?,
-        format,
-        args.unit,
-        &args.output,
-    )?;
-    Ok(Outcome::Ok)
+    let made = Made {
+        format: Format::of(&args.output)?,
+        unit: args.unit,
+        path: &args.output,
+        fineness: &args.fineness,
+    };
+    match args.source.open()? {
+        Opened::Surface(loaded) => made.of_surface(&loaded.surface),
+        Opened::Part(loaded) => made.of_part(&loaded),
+    }
 }
 
-fn write_triangles(mesh: &Mesh, format: Format, unit: UnitName, path: &Path) -> anyhow::Result<()> {
-    write(path, &write_mesh(mesh, format, unit.into())?)?;
-    eprintln!(
-        "{} triangles, {} vertices",
-        mesh.triangles.len(),
-        mesh.points.len()
-    );
-    Ok(())
+/// A file of triangles that is asked for.
+struct Made<'a> {
+    format: Format,
+    unit: UnitName,
+    path: &'a Path,
+    fineness: &'a Fineness,
+}
+
+impl Made<'_> {
+    fn of_surface(&self, surface: &Surface) -> anyhow::Result<Outcome> {
+        self.write(&self.fineness.mesh(surface)?)?;
+        Ok(Outcome::Ok)
+    }
+
+    fn of_part(&self, loaded: &LoadedPart) -> anyhow::Result<Outcome> {
+        if matches!(self.format, Format::Json | Format::Step | Format::Iges) {
+            let faces = loaded.part.faces().len();
+            return Err(Misuse::Format { faces }.into());
+        }
+        loaded.tell();
+        self.write(&self.fineness.part_mesh(loaded)?)?;
+        Ok(loaded.outcome())
+    }
+
+    fn write(&self, mesh: &Mesh) -> anyhow::Result<()> {
+        write(self.path, &write_mesh(mesh, self.format, self.unit.into())?)?;
+        eprintln!(
+            "{} triangles, {} vertices",
+            mesh.triangles.len(),
+            mesh.points.len()
+        );
+        Ok(())
+    }
 }
 
 pub(super) fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {

@@ -89,14 +89,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let loaded: Vec<Loaded> = args
         .patches
         .iter()
-        .map(|file| {
-            SurfaceArg {
-                ignore_trims: false,
-                file: file.clone(),
-                index: 0,
-            }
-            .load()
-        })
+        .map(|file| SurfaceArg::at(file, 0).load())
         .collect::<Result<_, _>>()?;
     let (unit, per_metre) = (loaded[0].unit.clone(), loaded[0].per_metre);
     let surfaces: Vec<Surface> = loaded.into_iter().map(|l| l.surface).collect();
@@ -426,13 +419,7 @@ mod tests {
             json: true,
         };
         assert_eq!(run(&args(None)).unwrap(), Outcome::Ok);
-        let back = SurfaceArg {
-            ignore_trims: false,
-            file: path("one.json"),
-            index: 0,
-        }
-        .load()
-        .unwrap();
+        let back = SurfaceArg::at(&path("one.json"), 0).load().unwrap();
         assert_eq!(back.unit, "mm");
         let merged = merge(&case.patches, &case.spec).unwrap().surface;
         for (a, b) in back

@@ -1,10 +1,12 @@
 //! `palpate surface eval` and `closest`: numbers in the unit of the file.
 
-use super::{Loaded, Outcome, SurfaceArg};
+use super::part::{LoadedPart, Misuse};
+use super::{Loaded, Opened, Outcome, SurfaceArg};
 use crate::cli::numbers::{self, NumberLine};
 use anyhow::Context as _;
 use palpate_geometry::basis::KnotVector;
 use palpate_geometry::math::{Point3, Vector3};
+use palpate_geometry::part::PartSolver;
 use palpate_geometry::surface::ClosestSolver;
 use std::path::PathBuf;
 
@@ -82,39 +84,87 @@ pub struct ClosestArgs {
 }
 
 pub fn closest(args: &ClosestArgs) -> anyhow::Result<Outcome> {
+    let (uncertified, outcome) = match args.source.open()? {
+        Opened::Surface(loaded) => (closest_of_surface(args, &loaded)?, Outcome::Ok),
+        Opened::Part(loaded) => (closest_of_part(args, &loaded)?, loaded.outcome()),
+    };
+    if uncertified > 0 {
+        eprintln!(
+            "note: {uncertified} answers are not certified: a piece of the surface needed too much work, and something on it may be nearer"
+        );
+    }
+    Ok(outcome)
+}
+
+/// An empty field where there is none.
+fn field(value: Option<f64>) -> String {
+    value.map(|x| x.to_string()).unwrap_or_default()
+}
+
+/// How many answers are not certified.
+fn closest_of_surface(args: &ClosestArgs, loaded: &Loaded) -> anyhow::Result<usize> {
     let Loaded {
         surface, per_metre, ..
-    } = args.source.load()?;
-    let mut solver = ClosestSolver::new(&surface);
+    } = loaded;
+    let is_closed = surface.topology().is_closed();
+    let mut solver = ClosestSolver::new(surface);
     let mut uncertified = 0;
     for NumberLine { values, .. } in numbers::read(&args.points, &[3], "x,y,z")? {
-        let query = Point3::new(values[0], values[1], values[2]) / per_metre;
+        let query = Point3::new(values[0], values[1], values[2]) / *per_metre;
         let given_up = solver.pieces_given_up();
-        let foot = solver.closest(&surface, &query);
+        let foot = solver.closest(surface, &query);
         let certified = solver.pieces_given_up() == given_up;
         uncertified += usize::from(!certified);
         let point = [foot.point.x, foot.point.y, foot.point.z].map(|x| x * per_metre);
         let distance = foot.distance * per_metre;
+        let signed_distance = is_closed.then_some(foot.signed_distance * per_metre);
         if !args.json {
-            println!(
-                "{},{},{},{},{},{distance}",
-                foot.u, foot.v, point[0], point[1], point[2]
-            );
+            let [x, y, z] = point;
+            let signed = field(signed_distance);
+            println!("{},{},{x},{y},{z},{distance},{signed}", foot.u, foot.v);
             continue;
         }
         let curvature = surface.curvature(foot.u, foot.v);
         let curvature = curvature.map(|c| [c.max / per_metre, c.min / per_metre]);
         let normal = [foot.normal.x, foot.normal.y, foot.normal.z];
         let out = serde_json::json!({
-            "u": foot.u, "v": foot.v, "point": point, "normal": normal, "distance": distance, "curvature": curvature,
-            "certified": certified,
+            "u": foot.u, "v": foot.v, "point": point, "normal": normal, "distance": distance,
+            "signed_distance": signed_distance, "curvature": curvature, "certified": certified,
         });
         println!("{out}");
     }
-    if uncertified > 0 {
-        eprintln!(
-            "note: {uncertified} answers are not certified: a piece of the surface needed too much work, and something on it may be nearer"
-        );
+    Ok(uncertified)
+}
+
+/// How many answers are not certified.
+fn closest_of_part(args: &ClosestArgs, loaded: &LoadedPart) -> anyhow::Result<usize> {
+    let LoadedPart {
+        part, per_metre, ..
+    } = loaded;
+    loaded.tell();
+    let mut solver = PartSolver::new(part);
+    let mut uncertified = 0;
+    for NumberLine { line, values } in numbers::read(&args.points, &[3], "x,y,z")? {
+        let query = Point3::new(values[0], values[1], values[2]) / *per_metre;
+        let foot = solver.closest(part, &query).ok_or(Misuse::Far { line });
+        let foot = foot.with_context(|| args.points.display().to_string())?;
+        uncertified += usize::from(!foot.certified);
+        let point = [foot.point.x, foot.point.y, foot.point.z].map(|x| x * per_metre);
+        let distance = foot.distance * per_metre;
+        let signed_distance = foot.signed_distance.map(|x| x * per_metre);
+        let (support, index) = (foot.support.name(), foot.support.index());
+        if !args.json {
+            let ([x, y, z], signed) = (point, field(signed_distance));
+            let face = foot.face;
+            println!("{x},{y},{z},{distance},{signed},{support},{index},{face}");
+            continue;
+        }
+        let normal = [foot.normal.x, foot.normal.y, foot.normal.z];
+        let out = serde_json::json!({
+            "point": point, "normal": normal, "distance": distance, "signed_distance": signed_distance,
+            "support": support, "support_index": index, "face": foot.face, "certified": foot.certified,
+        });
+        println!("{out}");
     }
-    Ok(Outcome::Ok)
+    Ok(uncertified)
 }
