@@ -6,7 +6,10 @@
 //! its input does not justify. What it accepts must be written and read again.
 
 use palpate_geometry::basis::KnotVector;
+use palpate_geometry::exchange::step::{PartPick, read_part};
 use palpate_geometry::exchange::{Format, Pick, read_points, read_surface, write_surface};
+use palpate_geometry::math::Point3;
+use palpate_geometry::part::{Part, PartSolver};
 use palpate_geometry::surface::builtin;
 use palpate_geometry::surface::file::{self, Unit};
 use palpate_sim::scene;
@@ -90,6 +93,10 @@ pub fn surface_json(bytes: &[u8]) {
 /// A STEP file.
 pub fn step(bytes: &[u8]) {
     surface(bytes, Format::Step);
+    let read = read_part(bytes, &PartPick::default());
+    if let Some(part) = read.ok().and_then(|read| Part::new(&read.brep).ok()) {
+        PartSolver::new(&part).closest(&part, &Point3::origin());
+    }
 }
 
 /// An IGES file.

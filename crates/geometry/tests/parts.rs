@@ -2,7 +2,7 @@
 //! areas and volumes by Green's theorem along its parameter curves.
 
 use palpate_geometry::exchange::step::{PartPick, read_part};
-use palpate_geometry::math::Point3;
+use palpate_geometry::math::{Point3, Random};
 use palpate_geometry::part::{Part, PartSolver, Support};
 use serde_json::Value;
 use std::path::PathBuf;
@@ -148,4 +148,46 @@ fn triangles_close_and_bound_the_volume() {
             "{name}: {volume} for {right}"
         );
     }
+}
+
+/// Files changed at random: another answer or a typed error, never a panic; what is built can be asked.
+#[test]
+fn changed_files_are_parts_or_errors() {
+    let mut random = Random(4545);
+    let (mut built, mut refused) = (0, 0);
+    for name in ["turned", "pipe", "sphere_minus_boxes", "cone_tip", "thread"] {
+        let whole = std::fs::read(path(&format!("{name}.step"))).expect("the file");
+        for _ in 0..40 {
+            let mut bytes = whole.clone();
+            for _ in 0..=random.below(4) {
+                let k = random.below(bytes.len());
+                // Digits and points most of all: what remains is a file.
+                bytes[k] = match bytes[k] {
+                    b'0'..=b'9' => b'0' + random.below(10) as u8,
+                    b'T' => b'F',
+                    b'F' => b'T',
+                    other => other,
+                };
+            }
+            let read = read_part(&bytes, &PartPick::default());
+            let part = read.ok().and_then(|read| Part::new(&read.brep).ok());
+            let Some(part) = part else {
+                refused += 1;
+                continue;
+            };
+            built += 1;
+            let mut solver = PartSolver::new(&part);
+            for _ in 0..20 {
+                let q = Point3::from(random.vector() * part.size_m());
+                let foot = solver.closest(&part, &q).expect("a finite query");
+                assert!(foot.distance.is_finite(), "{foot:?}");
+            }
+            let _ = part.triangles(0.02 * part.size_m(), 50_000);
+        }
+    }
+    println!("{built} built, {refused} refused");
+    assert!(
+        built > 20 && refused > 20,
+        "{built} built, {refused} refused"
+    );
 }
