@@ -67,6 +67,8 @@ _COMPILED = {
     "Mesh": "_surfaces",
     "Net": "_client",
     "Output": "_native",
+    "PART_CLOSEST": "_dtypes",
+    "Part": "_native",
     "Pipe": "_surfaces",
     "Pose": "_native",
     "Recording": "_recordings",
@@ -104,8 +106,10 @@ if TYPE_CHECKING:
     from ._daemon import serve as serve
     from ._dtypes import CLOSEST as CLOSEST
     from ._dtypes import CONTACT as CONTACT
+    from ._dtypes import PART_CLOSEST as PART_CLOSEST
     from ._native import Batch as Batch
     from ._native import Output as Output
+    from ._native import Part as Part
     from ._native import Pose as Pose
     from ._native import Scene as Scene
     from ._native import SimulatedDevice as SimulatedDevice

@@ -20,6 +20,19 @@ CONTACT = np.dtype(
     ]
 )
 
+#: A closest point of a part.
+PART_CLOSEST = np.dtype(
+    [
+        ("point", np.float64, 3),  # m
+        ("normal", np.float64, 3),  # unit, out of the matter
+        ("distance", np.float64),  # m
+        ("signed_distance", np.float64),  # m; negative inside; NaN where the part has no inside
+        ("support", np.uint32),  # 0 a face, 1 an edge, 2 a vertex
+        ("support_index", np.uint32),
+        ("face", np.uint32),  # on which it lies, or one of those that meet there
+    ]
+)
+
 #: A closest point of a surface.
 CLOSEST = np.dtype(
     [

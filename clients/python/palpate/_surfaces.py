@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._native import Surface
+from ._native import Part, Surface
 from .errors import SurfaceError
 
 Floats = NDArray[np.float64]
@@ -134,6 +134,10 @@ def _curvature(surface: Surface, u: ArrayLike, v: ArrayLike) -> Floats:
 
 def _tessellate(surface: Surface, tolerance: Optional[float], cells: Optional[int]) -> Mesh:
     return Mesh(*surface._tessellate(tolerance, cells))
+
+
+def _part_mesh(part: Part, tolerance: Optional[float]) -> Mesh:
+    return Mesh(*part._tessellate(tolerance))
 
 
 def merge(

@@ -3,7 +3,7 @@
 //! ```text
 //! errors, values, watched ─▶ pose ─▶ scene ─▶ output ─▶ ticks ─▶ snapshot ─▶ sim
 //!                                                        └────▶ arrays, vary ─▶ batch
-//! closest ─▶ surface ─▶ modeling;   columns ─▶ recording;   client ─▶ device;   command
+//! closest ─▶ surface ─▶ modeling, part;   columns ─▶ recording;   client ─▶ device;   command
 //! ```
 //! Classes hold the crates' own types and convert arguments and results; what they compute is what
 //! the daemon computes. Everything that takes longer than some microseconds releases the GIL. Names
@@ -20,6 +20,7 @@ mod errors;
 mod modeling;
 mod output;
 mod overrides;
+mod part;
 mod pose;
 mod recording;
 mod scene;
@@ -47,6 +48,8 @@ mod native {
     use super::modeling::{branch, fit, isolate, merge, pipe, toml_text};
     #[pymodule_export]
     use super::output::{ByTool, Output};
+    #[pymodule_export]
+    use super::part::Part;
     #[pymodule_export]
     use super::pose::Pose;
     #[pymodule_export]

@@ -8,7 +8,7 @@ use crate::values::{
 use numpy::{PyArray2, PyArrayDyn, PyUntypedArrayMethods};
 use palpate_geometry::basis::KnotVector;
 use palpate_geometry::exchange::{
-    ExchangeError, Format, Imported, Pick, read_surface, write_mesh, write_surface,
+    ExchangeError, Format, Pick, read_surface, write_mesh, write_surface,
 };
 use palpate_geometry::math::{Matrix3, Vector3};
 use palpate_geometry::surface::file::Unit;
@@ -106,6 +106,21 @@ pub fn direction_of(name: &str) -> PyResult<Direction> {
     }
 }
 
+/// Points (n, 3), normals (n, 3), triangles (m, 3).
+pub type MeshArrays<'py> = (Floats<'py>, Floats<'py>, Bound<'py, PyArray2<u32>>);
+
+/// Triangles as arrays.
+pub fn mesh_arrays<'py>(py: Python<'py>, mesh: &Mesh) -> PyResult<MeshArrays<'py>> {
+    let normals: Vec<f64> = mesh.normals.iter().flat_map(|n| [n.x, n.y, n.z]).collect();
+    let count = mesh.points.len();
+    let triangles: Vec<Vec<u32>> = mesh.triangles.iter().map(|t| t.to_vec()).collect();
+    Ok((
+        shaped(py, flat(&mesh.points), &[count, 3])?,
+        shaped(py, normals, &[count, 3])?,
+        PyArray2::from_vec2(py, &triangles).map_err(crate::errors::internal)?,
+    ))
+}
+
 /// Bytes of a file, or Python's error for it.
 pub fn read_file(path: &PathBuf) -> PyResult<Vec<u8>> {
     std::fs::read(path).map_err(|error| os_error(path, &error))
@@ -181,25 +196,37 @@ impl Surface {
 
     /// All surfaces of a file: .json, .step, .stp, .iges, .igs. Lengths become metres.
     ///
+    /// Parameters
+    /// ----------
+    /// ignore_trims : bool
+    ///     Takes surfaces whole of which the file shows a part, or that stand among other faces, which is an error
+    ///     otherwise. `Part.load` takes STEP files as they are.
+    ///
     /// Raises
     /// ------
     /// SurfaceError
     ///     What is wrong with the file, and where.
     #[staticmethod]
-    fn load(py: Python<'_>, path: PathBuf) -> PyResult<Vec<Self>> {
+    #[pyo3(signature = (path, *, ignore_trims=false))]
+    fn load(py: Python<'_>, path: PathBuf, ignore_trims: bool) -> PyResult<Vec<Self>> {
         let wrong = |error: ExchangeError| surface_error(format!("{}: {error}", path.display()));
         let format = Format::of(&path).map_err(wrong)?;
         let bytes = read_file(&path)?;
         py.detach(|| {
-            let Imported { surface, count, .. } =
-                read_surface(&bytes, format, Pick::Index(0)).map_err(wrong)?;
-            let mut all = vec![Self::of(surface)];
-            for index in 1..count {
-                all.push(Self::of(
-                    read_surface(&bytes, format, Pick::Index(index))
-                        .map_err(wrong)?
-                        .surface,
-                ));
+            let (mut all, mut count) = (Vec::new(), 1);
+            while all.len() < count {
+                let pick = Pick::Index(all.len());
+                let read = read_surface(&bytes, format, pick).map_err(wrong)?;
+                if read.left_out.is_any() && !ignore_trims {
+                    return Err(surface_error(format!(
+                        "{}: {} would be left out; `Part.load` takes a STEP file as it is, \
+                         ignore_trims=True its B-splines whole",
+                        path.display(),
+                        read.left_out
+                    )));
+                }
+                count = read.count;
+                all.push(Self::of(read.surface));
             }
             Ok(all)
         })
@@ -506,16 +533,9 @@ impl Surface {
         py: Python<'py>,
         tolerance: Option<f64>,
         cells: Option<usize>,
-    ) -> PyResult<(Floats<'py>, Floats<'py>, Bound<'py, PyArray2<u32>>)> {
+    ) -> PyResult<MeshArrays<'py>> {
         let mesh = self.mesh(py, tolerance, cells)?;
-        let normals: Vec<f64> = mesh.normals.iter().flat_map(|n| [n.x, n.y, n.z]).collect();
-        let count = mesh.points.len();
-        let triangles: Vec<Vec<u32>> = mesh.triangles.iter().map(|t| t.to_vec()).collect();
-        Ok((
-            shaped(py, flat(&mesh.points), &[count, 3])?,
-            shaped(py, normals, &[count, 3])?,
-            PyArray2::from_vec2(py, &triangles).map_err(crate::errors::internal)?,
-        ))
+        mesh_arrays(py, &mesh)
     }
 
     #[pyo3(signature = (path, tolerance=None, cells=None, unit="m"))]

@@ -5,10 +5,10 @@ use anyhow::Context;
 use clap::Parser;
 use palpate_bench::{
     BarOptions, Cases, DocumentOptions, Effort, FaultOptions, Figure, HardRow, LEFT_OUT,
-    RecorderOptions, RelayOptions, Row, SoakOptions, SubscriberOptions, TrustRow, bars, contact,
-    deformation, documents, faults, figures_table, haptics, hard_cases, hard_table, modeling,
-    pareto, parts, picture, plasticine_picture, plasticine_table, record_until_killed, recording,
-    relay, soak, subscribers, surface, table, trust, trust_picture, trust_table, viewer,
+    RecorderOptions, RelayOptions, Row, SoakOptions, SubscriberOptions, TrustRow, bars, census,
+    contact, deformation, documents, faults, figures_table, haptics, hard_cases, hard_table,
+    modeling, pareto, parts, picture, plasticine_picture, plasticine_table, record_until_killed,
+    recording, relay, soak, subscribers, surface, table, trust, trust_picture, trust_table, viewer,
 };
 use std::io::Write;
 use std::process::ExitCode;
@@ -92,7 +92,13 @@ enum Suite {
     /// Closest points of parts from STEP files, their areas and volumes, against references.
     ///
     /// OpenCASCADE runs too when PALPATE_PYTHON names a Python that can import OCP.
-    Parts(Options),
+    Parts {
+        #[command(flatten)]
+        options: Options,
+        /// Instead: a line for each STEP file of this folder, with its faces, what was left out, its gap and the time.
+        #[arg(long)]
+        census: Option<std::path::PathBuf>,
+    },
     /// Contact queries of points, balls, planes, solids, meshes and surfaces with a body.
     Contact {
         #[command(flatten)]
@@ -199,7 +205,11 @@ fn run(args: &Cli) -> anyhow::Result<ExitCode> {
             say_what_is_left_out();
         }
         Suite::Modeling(options) => drop(options.rows(modeling)?),
-        Suite::Parts(options) => drop(options.rows(parts)?),
+        Suite::Parts {
+            census: Some(folder),
+            ..
+        } => print!("{}", census(folder)?),
+        Suite::Parts { options, .. } => drop(options.rows(parts)?),
         Suite::Contact { options, svg } => {
             let (rows, ()) = options.rows(contact)?;
             write(svg, || picture(&rows))?;

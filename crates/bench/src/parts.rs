@@ -4,9 +4,12 @@
 use super::measure::{Times, clocked, time};
 use super::{Cases, Effort, Row};
 use crate::peers::python;
+use palpate_geometry::exchange::Format;
 use palpate_geometry::exchange::step::{PartPick, read_part};
 use palpate_geometry::math::Point3;
 use palpate_geometry::part::{Part, PartSolver};
+use std::fmt::Write;
+use std::path::Path;
 use std::time::Duration;
 
 const SCRIPT: &str = include_str!("../../../benches/peers/parts.py");
@@ -57,6 +60,48 @@ pub fn parts(effort: Effort, cases: Cases<'_>, out: &mut dyn FnMut(Row)) {
             one(effort, &input, &case, out);
         }
     }
+}
+
+/// What opens of the STEP files of a folder, a line each, and the sums.
+///
+/// # Errors
+/// The folder or a file cannot be read.
+pub fn census(folder: &Path) -> anyhow::Result<String> {
+    let mut paths: Vec<_> = std::fs::read_dir(folder)?
+        .map(|entry| Ok(entry?.path()))
+        .collect::<std::io::Result<_>>()?;
+    paths.retain(|path| matches!(Format::of(path), Ok(Format::Step)));
+    paths.sort();
+    let (mut text, mut opened, mut faces) = (String::new(), 0, 0);
+    for path in &paths {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let bytes = std::fs::read(path)?;
+        let (took, made) = clocked(|| {
+            let read = read_part(&bytes, &PartPick::default()).map_err(|e| e.to_string())?;
+            let part = Part::new(&read.brep).map_err(|e| e.to_string())?;
+            Ok::<_, String>((read.left_out, part))
+        });
+        let ms = took.as_secs_f64() * 1e3;
+        let said = match made {
+            Err(error) => error,
+            Ok((left_out, part)) => {
+                opened += 1;
+                faces += part.faces().len();
+                let gap = part.gap_m() / part.size_m();
+                let count = part.faces().len();
+                format!(
+                    "{count:>5} faces, gap {gap:.1e} of the size, {ms:.1} ms, left out: {left_out}"
+                )
+            }
+        };
+        let _ = writeln!(text, "{name:<24} {said}");
+    }
+    let _ = writeln!(
+        text,
+        "{opened} of {} files open, {faces} faces",
+        paths.len()
+    );
+    Ok(text)
 }
 
 fn one(effort: Effort, input: &Input, case: &str, out: &mut dyn FnMut(Row)) {

@@ -1,5 +1,6 @@
 """Surfaces against SciPy and mpmath, files, modeling."""
 
+import json
 import pickle
 from pathlib import Path
 from typing import Any
@@ -156,6 +157,32 @@ def test_files_and_pickles_keep_every_bit(ending: str, tmp_path: Path) -> None:
     (tmp_path / f"broken{ending}").write_text("{")
     with pytest.raises(pp.SurfaceError, match="broken"):
         pp.Surface.load(tmp_path / f"broken{ending}")
+
+
+PARTS = ROOT / "crates" / "geometry" / "tests" / "data" / "parts"
+
+
+def test_a_part_has_its_faces_distances_and_triangles() -> None:
+    part = pp.Part.load(PARTS / "filleted_box.step")
+    data = json.loads((PARTS / "filleted_box.json").read_text())
+    assert part.closed and part.left_out == "" and part.gap < 1e-15
+    assert [name for name, _ in part.faces].count("sphere") == 8
+    np.testing.assert_allclose([area for _, area in part.faces], [f["area"] * 1e-6 for f in data["faces"]], rtol=1e-9)
+    assert part.volume == pytest.approx(data["volume"] * 1e-9, rel=1e-9)
+    queries = data["queries"]
+    feet = part.closest(np.array([q[:3] for q in queries]) * 1e-3)
+    assert feet.dtype == pp.PART_CLOSEST
+    np.testing.assert_allclose(feet["distance"], [q[4] * 1e-3 for q in queries], atol=1e-10)
+    np.testing.assert_array_equal(feet, part.closest(np.array([q[:3] for q in queries]) * 1e-3, workers=1))
+    outside = np.array([q[10] == "out" and q[4] > 1e-6 for q in queries])
+    assert (feet["signed_distance"][outside] > 0).all()
+    mesh = part.tessellate(1e-4)
+    a, b, c = (mesh.points[mesh.triangles[:, k]] for k in range(3))
+    assert np.einsum("ij,ij->", a, np.cross(b, c)) / 6 == pytest.approx(part.volume, rel=0.02)
+    with pytest.raises(pp.SurfaceError, match="no B-spline|Part.load"):
+        pp.Surface.load(PARTS / "filleted_box.step")
+    with pytest.raises(pp.SurfaceError, match="Part.load"):
+        pp.Surface.load(PARTS / "loft.step")
 
 
 def test_what_is_no_surface_says_why() -> None:
