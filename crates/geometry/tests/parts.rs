@@ -115,6 +115,12 @@ fn areas_and_volumes_are_those_of_the_references() {
             assert!(off <= 1e-6, "{name}: the volume is off by {off:e}");
         }
         println!("{name}: areas off by {worst:.1e} at most");
+        let splines = part.faces().any(|face| face.carrier.name() == "b-spline");
+        let off = part.size_m() * 1e3 / number(&data["size"]) - 1.0;
+        assert!(
+            splines || off.abs() < 1e-3,
+            "{name}: the size is off by {off:e}"
+        );
     }
 }
 

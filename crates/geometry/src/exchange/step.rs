@@ -26,6 +26,7 @@ mod curves;
 mod entity;
 mod faces;
 mod part;
+mod pick;
 mod placement;
 mod surface;
 mod syntax;
@@ -33,7 +34,8 @@ mod topology;
 mod units;
 mod write;
 
-pub use part::{ImportedPart, PartLeftOut, PartPick, PlacedSolid, read_part};
+pub use part::{ImportedPart, PlacedSolid, read_part};
+pub use pick::{PartLeftOut, PartPick};
 pub use write::write;
 
 use super::spline::SplineError;

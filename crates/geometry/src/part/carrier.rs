@@ -3,7 +3,7 @@
 
 use crate::math::{Point3, Vector3};
 use crate::surface::Surface;
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::TAU;
 
 /// Where an elementary surface or curve lies: an origin and three unit vectors, right-handed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -109,6 +109,9 @@ impl Carrier {
         match self {
             Self::Plane(_) => [0.0, 0.0],
             Self::Cylinder { .. } | Self::Cone { .. } | Self::Sphere { .. } => [TAU, 0.0],
+            Self::Torus {
+                major_m, minor_m, ..
+            } if minor_m > major_m => [TAU, 0.0],
             Self::Torus { .. } => [TAU, TAU],
             Self::Spline(surface) => {
                 let (u, v) = (surface.knots_u(), surface.knots_v());
@@ -244,72 +247,46 @@ impl Carrier {
 }
 
 impl Carrier {
-    /// Corners of a box around a rectangle of parameters, m.
-    pub(super) fn bounds(&self, extent: &[[f64; 2]; 2]) -> (Point3, Point3) {
-        let [u, v] = extent;
-        let ends = |f: &dyn Fn(f64) -> f64| [f(v[0]).min(f(v[1])), f(v[0]).max(f(v[1]))];
-        let (axes, radius, height) = match self {
-            Self::Plane(axes) => {
-                let corner = |k: usize, l: usize| axes.to_world(&Vector3::new(u[k], v[l], 0.0));
-                let all = [corner(0, 0), corner(0, 1), corner(1, 0), corner(1, 1)];
-                return all
-                    .iter()
-                    .fold((all[0], all[0]), |(l, h), p| (l.inf(p), h.sup(p)));
+    /// Places at which a box around the face may touch it away from its edges: where the normal is along an axis of the
+    /// world. None on surfaces that are straight in one direction, which lie between their edges.
+    pub(super) fn summits(&self) -> Vec<[f64; 2]> {
+        let (Self::Sphere { axes, .. } | Self::Torus { axes, .. }) = self else {
+            return Vec::new();
+        };
+        let mut all = Vec::new();
+        for k in 0..3 {
+            for sign in [1.0, -1.0] {
+                let d = Vector3::ith(k, sign);
+                let [x, y, z] = [axes.x.dot(&d), axes.y.dot(&d), axes.z.dot(&d)];
+                let rho = libm::hypot(x, y);
+                all.push([libm::atan2(y, x), libm::atan2(z, rho)]);
+                if matches!(self, Self::Torus { .. }) {
+                    all.push([libm::atan2(-y, -x), libm::atan2(z, -rho)]);
+                }
             }
-            Self::Cylinder { axes, radius_m } => (axes, [*radius_m; 2], *v),
-            Self::Cone {
-                axes,
-                half_angle_rad,
-            } => {
-                let slope = libm::tan(*half_angle_rad);
-                (axes, ends(&|v| v * slope), *v)
-            }
-            Self::Sphere { axes, radius_m } => (
-                axes,
-                waves(*v, 0.0).map(|c| radius_m * c.max(0.0)),
-                waves(*v, FRAC_PI_2).map(|s| radius_m * s),
-            ),
+        }
+        all
+    }
+
+    /// Where the surface ends in a point: its place, the mean of the normals around it, and its v.
+    pub(super) fn apexes(&self) -> Vec<(Point3, Vector3, f64)> {
+        match self {
+            Self::Cone { axes, .. } => vec![(axes.origin, -axes.z, 0.0)],
             Self::Torus {
                 axes,
                 major_m,
                 minor_m,
-            } => (
-                axes,
-                waves(*v, 0.0).map(|c| (major_m + minor_m * c).max(0.0)),
-                waves(*v, FRAC_PI_2).map(|s| minor_m * s),
-            ),
-            Self::Spline(surface) => {
-                let points = surface.net().points();
-                return points
-                    .iter()
-                    .fold((points[0], points[0]), |(l, h), p| (l.inf(p), h.sup(p)));
+            } if minor_m > major_m => {
+                let v = libm::acos(-major_m / minor_m);
+                let up = axes.z * (minor_m * libm::sin(v));
+                vec![
+                    (axes.origin + up, axes.z, v),
+                    (axes.origin - up, -axes.z, -v),
+                ]
             }
-        };
-        let (mut low, mut high) = (axes.origin, axes.origin);
-        for k in 0..3 {
-            let swing = libm::hypot(axes.x[k], axes.y[k]);
-            let round = waves(*u, libm::atan2(axes.y[k], axes.x[k])).map(|c| c * swing);
-            let mut all = [0.0; 8];
-            for (n, x) in all.iter_mut().enumerate() {
-                *x = radius[n & 1] * round[(n >> 1) & 1] + height[n >> 2] * axes.z[k];
-            }
-            low[k] += all.iter().copied().fold(f64::INFINITY, f64::min);
-            high[k] += all.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            _ => Vec::new(),
         }
-        (low, high)
     }
-}
-
-/// The least and the greatest cosine of an angle less a phase, over a range of angles.
-fn waves([from, to]: [f64; 2], phase: f64) -> [f64; 2] {
-    let (a, b) = (from - phase, to - phase);
-    // Whether a multiple of 2π, shifted, lies between.
-    let reaches = |shift: f64| ((b - shift) / TAU).floor() >= ((a - shift) / TAU).ceil();
-    let (ca, cb) = (libm::cos(a), libm::cos(b));
-    [
-        if reaches(TAU / 2.0) { -1.0 } else { ca.min(cb) },
-        if reaches(0.0) { 1.0 } else { ca.max(cb) },
-    ]
 }
 
 impl Carrier {

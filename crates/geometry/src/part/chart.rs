@@ -16,8 +16,8 @@ pub(super) enum Map {
     Cone(f64, f64),
     /// v the latitude.
     Sphere,
-    /// Radius of the tube's centre line, m.
-    Torus(f64),
+    /// Radius of the tube's centre line, m, and v where the outer part of a self-crossing one ends.
+    Torus(f64, Option<f64>),
 }
 
 /// The parameters of a carrier: u from 0 to its period, v from the cut to a period above it.
@@ -44,7 +44,12 @@ impl Chart {
                 Map::Cone(sin, cos)
             }
             Carrier::Sphere { .. } => Map::Sphere,
-            Carrier::Torus { major_m, .. } => Map::Torus(*major_m),
+            Carrier::Torus {
+                major_m, minor_m, ..
+            } => Map::Torus(
+                *major_m,
+                (minor_m > major_m).then(|| libm::acos(-major_m / minor_m)),
+            ),
         };
         let origin = match carrier {
             Carrier::Spline(s) => [s.knots_u().domain().0, s.knots_v().domain().0],
@@ -68,7 +73,7 @@ impl Chart {
     /// The carrier has no edge and no end.
     pub fn is_bounded(&self) -> bool {
         match self.map {
-            Map::Sphere | Map::Torus(_) => true,
+            Map::Sphere | Map::Torus(..) => true,
             Map::Flat => self.periods[0] > 0.0,
             Map::Cylinder | Map::Cone(..) => false,
         }
@@ -99,7 +104,7 @@ impl Chart {
             Map::Cylinder => p.z,
             Map::Cone(sin, cos) => (rho() * sin + p.z * cos) * cos,
             Map::Sphere => libm::atan2(p.z, rho()),
-            Map::Torus(major) => libm::atan2(p.z, rho() - major),
+            Map::Torus(major, _) => libm::atan2(p.z, rho() - major),
         };
         [libm::atan2(p.y, p.x), v]
     }
@@ -132,7 +137,8 @@ impl Chart {
         match self.map {
             Map::Cone(..) => [Some(0.0), None],
             Map::Sphere => [Some(-FRAC_PI_2), Some(FRAC_PI_2)],
-            Map::Flat | Map::Cylinder | Map::Torus(_) => [None, None],
+            Map::Torus(_, end) => [end.map(|v| -v), end],
+            Map::Flat | Map::Cylinder => [None, None],
         }
     }
 

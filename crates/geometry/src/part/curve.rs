@@ -242,13 +242,29 @@ impl EdgeCurve {
         at(0.0).or_else(|| at(1e-6)).unwrap_or_else(Vector3::x)
     }
 
-    /// Corners of a box around it.
+    /// Corners of a box around it: the narrowest of lines and circles, that of the control points otherwise.
     pub fn bounds(&self) -> (Point3, Point3) {
         let far = Point3::from(Vector3::repeat(f64::INFINITY));
-        self.points.iter().fold((far, -far), |(low, high), h| {
-            let p = bezier::projected(h);
-            (low.inf(&p), high.sup(&p))
-        })
+        let grown = |(low, high): (Point3, Point3), p: Point3| (low.inf(&p), high.sup(&p));
+        let Shape::Circle(axes, radius, sweep) = &self.shape else {
+            let points = self.points.iter().map(bezier::projected);
+            return points.fold((far, -far), grown);
+        };
+        let at = |angle: f64| {
+            let (sin, cos) = libm::sincos(angle);
+            axes.to_world(&Vector3::new(radius * cos, radius * sin, 0.0))
+        };
+        let mut all = grown(grown((far, -far), at(0.0)), at(*sweep));
+        for k in 0..3 {
+            // Where it goes farthest along an axis of the world, and opposite.
+            let most = libm::atan2(axes.y[k], axes.x[k]);
+            for angle in [most, most + TAU / 2.0].map(|angle| super::chart::wrap(angle, TAU)) {
+                if angle < *sweep {
+                    all = grown(all, at(angle));
+                }
+            }
+        }
+        all
     }
 
     /// Places along it, `count` in each segment and its last one.

@@ -6,7 +6,7 @@
 use super::bezier;
 use super::carrier::Carrier;
 use super::part::{Face, Part};
-use super::trim::Trim;
+use super::trim::{Trim, Walk};
 use crate::math::{Point3, Vector3, gauss_legendre};
 use std::f64::consts::FRAC_PI_4;
 
@@ -187,7 +187,7 @@ impl Carrier {
         match self {
             Self::Plane(_) | Self::Cylinder { .. } | Self::Cone { .. } => None,
             Self::Sphere { .. } => Some(std::f64::consts::FRAC_PI_2),
-            Self::Torus { .. } => Some(period),
+            Self::Torus { .. } => trim.chart.poles()[1].or(Some(period)),
             Self::Spline(surface) if period == 0.0 => {
                 let (low, high) = surface.knots_v().domain();
                 Some(high - low)
@@ -195,16 +195,6 @@ impl Carrier {
             Self::Spline(_) => Some(period),
         }
     }
-}
-
-/// A monotone piece of a loop.
-pub(super) struct Walk<'a> {
-    /// Its segment, and where on it the piece begins and ends; `None` along a pole.
-    pub points: Option<(&'a [bezier::Homogeneous], [f64; 2])>,
-    /// At its start and its end.
-    pub u: [f64; 2],
-    /// Near which it is.
-    pub v: f64,
 }
 
 impl Walk<'_> {

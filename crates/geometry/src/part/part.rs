@@ -465,32 +465,46 @@ impl<'a> Build<'a> {
                 vertex.gap_m = vertex.gap_m.max(gap_m);
             }
         }
-        // The apex of a cone that no edge reaches.
-        if let Carrier::Cone { axes, .. } = &face.carrier {
-            let near = |v: &Vertex| (v.point - axes.origin).norm() <= 1e-6 * self.size_m;
-            let on_face = face.trim.contains([0.0, 0.0]);
+        // Apexes that no edge reaches.
+        for (place, normal, v) in face.carrier.apexes() {
+            let on_face = face.trim.contains([0.0, v]);
+            let near = |v: &Vertex| (v.point - place).norm() <= 1e-6 * self.size_m;
             for vertex in self.vertices.iter_mut().filter(|v| v.lone && near(v)) {
                 if on_face {
-                    vertex.normal = if face.same_sense { -axes.z } else { axes.z };
+                    vertex.normal = if face.same_sense { normal } else { -normal };
                     vertex.face = Some(index);
                 }
             }
         }
     }
 
+    /// A face lies between its edges, or bulges out of them where its normal is along an axis.
     fn face_box(&self, face: &Face, chains: &[Vec<(u32, bool)>]) -> Corners {
-        let edges = chains
-            .iter()
-            .flatten()
-            .map(|&(e, _)| self.edges[e as usize].curve.bounds());
-        let around = edges.reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)));
-        match (&face.carrier, around) {
-            (Carrier::Plane(_), Some(around)) => around,
-            (carrier, around) => {
-                let own = carrier.bounds(&face.trim.extent());
-                around.map_or(own, |a| (a.0.inf(&own.0), a.1.sup(&own.1)))
+        let far = Point3::from(Vector3::repeat(f64::INFINITY));
+        let grown = |(low, high): Corners, p: &Point3| (low.inf(p), high.sup(p));
+        let mut all = (far, -far);
+        let mut gap_m = 0.0f64;
+        for &(e, _) in chains.iter().flatten() {
+            let edge = &self.edges[e as usize];
+            let (low, high) = edge.curve.bounds();
+            all = grown(grown(all, &low), &high);
+            gap_m = gap_m.max(edge.gap_m);
+        }
+        for uv in face.carrier.summits() {
+            if face.trim.contains(uv) {
+                all = grown(all, &face.carrier.point(uv));
             }
         }
+        for (place, _, v) in face.carrier.apexes() {
+            if face.trim.contains([0.0, v]) {
+                all = grown(all, &place);
+            }
+        }
+        if let Carrier::Spline(surface) = &face.carrier {
+            all = surface.net().points().iter().fold(all, grown);
+        }
+        let slack = Vector3::repeat(gap_m);
+        (all.0 - slack, all.1 + slack)
     }
 
     fn finish(self) -> Result<Part, PartError> {

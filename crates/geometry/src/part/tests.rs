@@ -229,6 +229,16 @@ fn areas_and_volumes_are_those_of_closed_forms() {
             4.0 * PI * 1e-4,
         ),
         (
+            "apple",
+            whole(Carrier::Torus {
+                axes: frame,
+                major_m: 0.01,
+                minor_m: 0.02,
+            }),
+            2.0 * PI / 3.0 * 9e-4 * 3e-4f64.sqrt() + 2.0 * PI * 4e-6 * (PI - 0.5f64.acos()),
+            4.0 * PI * 0.02 * (3e-4f64.sqrt() + 0.01 * (PI - 0.5f64.acos())),
+        ),
+        (
             "ring",
             whole(Carrier::Torus {
                 axes: frame,

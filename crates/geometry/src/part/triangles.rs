@@ -8,6 +8,7 @@
 //! again. Both sides of a cut have the same points, and the boundary of every face is compared with its edges' points at the
 //! end, so that faces that do not meet are an error and never a hole.
 
+mod corner;
 mod patch;
 mod ruler;
 mod sheet;
@@ -17,6 +18,8 @@ mod tests;
 use super::part::{Edge, Part};
 use crate::math::Point3;
 use crate::surface::Mesh;
+use corner::Id;
+pub use corner::TrianglesError;
 use patch::{Patch, Problem};
 use sheet::Sheet;
 use std::collections::BTreeMap;
@@ -32,35 +35,6 @@ const MOST_STEPS: f64 = 1.5;
 /// Of the size: vertices nearer to each other than this are one.
 const SAME: f64 = 1e-9;
 
-/// Why a part was not divided into triangles.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum TrianglesError {
-    /// Not a length.
-    #[error("a tolerance of {0} m cannot be kept: it must be finite and above 0")]
-    Tolerance(f64),
-    /// Too fine.
-    #[error("that takes more than {most} triangles: raise the tolerance")]
-    TooMany {
-        /// As allowed.
-        most: usize,
-    },
-    /// A face that goes on without end.
-    #[error("face #{face} has no bounds")]
-    Unbounded {
-        /// In the file.
-        face: u64,
-    },
-    /// A face whose edges cross each other or do not close.
-    #[error("the edges of face #{face} cross each other or do not close within its surface")]
-    Loops {
-        /// In the file.
-        face: u64,
-    },
-    /// Too large to calculate with.
-    #[error("coordinates leave the range of lengths")]
-    Range,
-}
-
 /// Triangles of a part.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PartMesh {
@@ -70,18 +44,6 @@ pub struct PartMesh {
     pub faces: Vec<u32>,
     /// The farthest that a middle of a triangle or of one of its sides is from the surface, or an edge from its chords, m.
     pub deviation_m: f64,
-}
-
-/// What a corner is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Id {
-    Vertex(u32),
-    /// Edge, and which of its points.
-    Edge(u32, u32),
-    /// Of one face alone.
-    Pole(u32),
-    /// Of one face alone.
-    Inner(u32),
 }
 
 impl Part {

@@ -11,7 +11,6 @@
 
 use super::bezier::{self, Homogeneous};
 use super::chart::{Chart, lifted, wrap};
-use super::measure::Walk;
 
 /// Columns of the table that says which arcs a ray may cross.
 const COLUMNS: usize = 32;
@@ -77,6 +76,16 @@ pub(super) struct Trim {
     height: f64,
     /// Low and high of both parameters, over all arcs.
     pub reach: [[f64; 2]; 2],
+}
+
+/// A monotone piece of a loop.
+pub(super) struct Walk<'a> {
+    /// Its segment, and where on it the piece begins and ends; `None` along a pole.
+    pub points: Option<(&'a [Homogeneous], [f64; 2])>,
+    /// At its start and its end.
+    pub u: [f64; 2],
+    /// Near which it is.
+    pub v: f64,
 }
 
 /// A piece of an edge on a face, in walking order.
@@ -148,7 +157,7 @@ impl Trim {
         trim.tabulate();
         trim.settle_base()?;
         let bounded = match chart.map {
-            super::chart::Map::Sphere | super::chart::Map::Torus(_) => true,
+            super::chart::Map::Sphere | super::chart::Map::Torus(..) => true,
             super::chart::Map::Cone(..) => trim.base == 0,
             super::chart::Map::Flat if chart.periods != [0.0, 0.0] => true,
             super::chart::Map::Flat | super::chart::Map::Cylinder => trim.base == 0 && winding == 0,

@@ -5,6 +5,9 @@ use super::IgesError;
 use crate::exchange::LengthUnit;
 use crate::exchange::number::parse;
 
+/// A subfigure at its place.
+pub(super) const INSTANCE: u64 = 408;
+
 /// Columns of data in a line of parameters; the rest names its directory entry.
 const PARAMETER_COLUMNS: usize = 64;
 

@@ -8,13 +8,10 @@
 //! ```
 
 use super::read::Parameters;
-use super::sections::{Entry, File};
+use super::sections::{Entry, File, INSTANCE};
 
 /// Faces on a surface: all of it, or what is within their boundaries.
 pub(super) const FACES: [u64; 3] = [144, 143, 510];
-
-/// A subfigure at its place.
-pub(super) const INSTANCE: u64 = 408;
 
 /// What takes over what it names, moved at most: shells, solids of shells, solids at their places, definitions of subfigures.
 const WRAPS: [u64; 5] = [514, 186, 430, 308, INSTANCE];

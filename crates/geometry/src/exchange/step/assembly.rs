@@ -11,7 +11,7 @@
 
 use super::StepError;
 use super::entity::{Entity, File, leading_name};
-use super::part::PartPick;
+use super::pick::PartPick;
 use super::surface::contains;
 use super::syntax::Value;
 use super::topology::SOLIDS;

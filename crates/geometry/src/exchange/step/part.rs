@@ -3,32 +3,18 @@
 use super::StepError;
 use super::assembly::{Assembly, Place, plain_text};
 use super::entity::{File, leading_name};
+use super::pick::{PartLeftOut, PartPick};
 use super::syntax::{Exchange, Value};
 use super::topology::{self, SOLIDS};
 use super::units::{self, Context, Unit};
 use crate::exchange::LengthUnit;
 use crate::part::{Brep, BrepCurve, Carrier, Placing};
 use std::collections::{BTreeMap, BTreeSet};
-use std::fmt;
 use std::ops::Range;
 
 /// Faces of one part in all its places; a face counts more the more control points it has.
 const MOST_FACES: usize = 1_000_000;
 const POINTS_A_FACE: usize = 64;
-
-/// Errors of faces that are left out which are told in full.
-const MOST_NOTES: usize = 8;
-
-/// What of a file is read; everything, unless it says something else.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct PartPick {
-    /// Name or number of a product; an assembly with all that it has.
-    pub part: Option<String>,
-    /// Which of its places, from 0.
-    pub instance: Option<usize>,
-    /// Faces that cannot be read are left out instead of refused.
-    pub partial: bool,
-}
 
 /// What a file has.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,89 +40,6 @@ pub struct PlacedSolid {
     pub faces: Range<usize>,
     /// Which place of its product it stands in, from 0.
     pub instance: usize,
-}
-
-/// What a file says and a part has not.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct PartLeftOut {
-    /// Faces whose surface or curves cannot be read, by what they fail at.
-    pub faces: BTreeMap<String, usize>,
-    /// The first of their errors.
-    pub errors: Vec<String>,
-    /// Solids and sheets that no product has, or that another part than the picked one has.
-    pub solids: usize,
-    /// Faces of no shell.
-    pub lone_faces: usize,
-    /// Curves in space without faces.
-    pub wireframes: usize,
-    /// Sets of points, curves or surfaces without topology.
-    pub sets: usize,
-    /// Triangles.
-    pub tessellated: usize,
-    /// Solids that are built from others.
-    pub constructed: usize,
-    /// Files that parts of the assembly are in.
-    pub elsewhere: Vec<String>,
-    /// Solids with an open shell, read as sheets.
-    pub open_solids: usize,
-    /// Vertices that were taken for one with others.
-    pub welded: usize,
-}
-
-impl PartLeftOut {
-    /// The boundary has all that the file says.
-    pub fn is_nothing(&self) -> bool {
-        *self == Self::default()
-    }
-
-    pub(super) fn face(&mut self, on: String, error: &StepError) {
-        let name = match error {
-            StepError::Unreadable { entity, .. } => entity.clone(),
-            _ => on,
-        };
-        *self.faces.entry(name).or_default() += 1;
-        if self.errors.len() < MOST_NOTES {
-            self.errors.push(error.to_string());
-        }
-    }
-}
-
-impl fmt::Display for PartLeftOut {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut all = Vec::new();
-        if !self.faces.is_empty() {
-            let count: usize = self.faces.values().sum();
-            let kinds: Vec<String> = self
-                .faces
-                .iter()
-                .map(|(k, n)| format!("{n} at {k}"))
-                .collect();
-            all.push(format!("{count} faces ({})", kinds.join(", ")));
-        }
-        let mut count = |n: usize, what: &str| {
-            if n > 0 {
-                all.push(format!("{n} {what}"));
-            }
-        };
-        count(self.solids, "solids or sheets of no product or of others");
-        count(self.lone_faces, "faces of no shell");
-        count(self.wireframes, "wireframes");
-        count(self.sets, "sets of points, curves or surfaces");
-        count(self.tessellated, "tessellated items");
-        count(self.constructed, "solids built from others");
-        count(self.open_solids, "solids with open shells (read as sheets)");
-        count(self.welded, "vertices beside another (made one)");
-        if !self.elsewhere.is_empty() {
-            all.push(format!(
-                "parts in other files: {}",
-                self.elsewhere.join(", ")
-            ));
-        }
-        match all.is_empty() {
-            true => write!(f, "nothing"),
-            false => write!(f, "{}", all.join("; ")),
-        }
-    }
 }
 
 /// Reads the boundary of a file's parts.

@@ -4,7 +4,7 @@ use super::StepError;
 use super::carriers::{self, Rim};
 use super::curves;
 use super::entity::{Entity, File};
-use super::part::PartLeftOut;
+use super::pick::PartLeftOut;
 use super::units::Context;
 use crate::math::{Point3, Vector3, direction_of};
 use crate::part::{Brep, BrepBound, BrepCurve, BrepEdge, BrepFace, BrepShell};

@@ -1,8 +1,9 @@
 //! One face's triangles: its edges' points and points within, in the plane.
 
 use super::super::carrier::Carrier;
+use super::corner::{Id, TrianglesError};
 use super::sheet::{Layout, Sheet};
-use super::{Id, TrianglesError, Work, ruler};
+use super::{Work, ruler};
 use crate::math::{Point3, Vector3};
 use spade::handles::FixedVertexHandle;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};

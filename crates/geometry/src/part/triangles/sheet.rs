@@ -4,8 +4,8 @@ use super::super::bezier;
 use super::super::carrier::Carrier;
 use super::super::chart::{lifted, wrap};
 use super::super::part::{Edge, Face, Part};
+use super::corner::{Id, TrianglesError};
 use super::ruler::{self, Plane, Ruler};
-use super::{Id, TrianglesError};
 use crate::math::{Point3, Vector3};
 
 /// Places at which each segment of an edge is looked at.
