@@ -56,7 +56,7 @@ pub enum MeshFileError {
         /// The value given.
         value: f64,
     },
-    /// A face that is no polygon.
+    /// A face whose corners do not form a polygon.
     #[error("face {face}{}: its {corners} corners {flaw}", at_line(*line))]
     Polygon {
         /// Which one, from 1.

@@ -206,7 +206,7 @@ pub enum StepError {
         /// Of what.
         what: &'static str,
     },
-    /// The same things again and again.
+    /// Shared entities that would be read over and over.
     #[error("#{id}: solids share so much that the file would be read more than 16 times")]
     TooOften {
         /// Number of the instance (`#id`) where it was stopped.

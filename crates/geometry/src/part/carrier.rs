@@ -129,7 +129,7 @@ impl Carrier {
     }
 }
 
-/// Whether a surface meets itself in u and in v: by its knots, or because its first and last lines agree.
+/// Whether a surface closes in u and in v: by its knots, or because its first and last lines coincide.
 pub(super) fn closed(surface: &Surface) -> [bool; 2] {
     let points = surface.net().points();
     let far_m = points.iter().map(|p| (p - points[0]).norm());

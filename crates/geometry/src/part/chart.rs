@@ -172,7 +172,7 @@ impl Chart {
     }
 }
 
-/// Into [0, period); as it is where there is no period.
+/// `x` brought into [0, period); unchanged where the period is 0.
 pub(super) fn wrap(x: f64, period: f64) -> f64 {
     if period == 0.0 || (0.0..period).contains(&x) {
         return x;

@@ -443,7 +443,7 @@ fn weighted(p: &Point3, w: f64) -> Homogeneous {
     [p.x * w, p.y * w, p.z * w, w]
 }
 
-/// The same circle, walked against its sense where `along` is false.
+/// The axes of a circle, turned over where it is traversed backwards (`along` is false).
 fn turned(axes: &Axes, along: bool) -> Axes {
     match along {
         true => *axes,

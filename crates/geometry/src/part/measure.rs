@@ -12,7 +12,7 @@ use std::f64::consts::FRAC_PI_4;
 
 /// Points of the rule on a piece of an arc, and between two breaks on the way across.
 const POINTS: usize = 16;
-/// The same where pieces or breaks are many, and short.
+/// Points where the pieces, or the intervals between breaks, are many and short.
 const FEW_POINTS: usize = 7;
 const MANY_WALKS: usize = 200;
 const MANY_BREAKS: usize = 8;

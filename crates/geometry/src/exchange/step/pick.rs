@@ -33,7 +33,7 @@ pub struct PartLeftOut {
     pub wireframes: usize,
     /// Sets of points, curves or surfaces without topology.
     pub sets: usize,
-    /// Triangles.
+    /// Items that are given as triangles only.
     pub tessellated: usize,
     /// Solids that are built from others.
     pub constructed: usize,
