@@ -55,6 +55,8 @@ pub struct PartFoot {
     pub support: Support,
     /// The face it is on, or one of those that meet there.
     pub face: u32,
+    /// The same place in two numbers, as [`Part::point`] takes them.
+    pub place: [f64; 2],
     /// No closer point can have been passed over.
     pub certified: bool,
 }
@@ -72,8 +74,16 @@ pub struct PartSolver {
 struct Best {
     point: Point3,
     support: Support,
-    /// (u, v) of a face; segment and parameter of an edge.
-    at: Option<[f64; 2]>,
+    at: At,
+}
+
+/// Where on its support.
+#[derive(Clone, Copy)]
+enum At {
+    Face([f64; 2]),
+    /// The edge, its segment and the parameter there; of a vertex that it ends at as well.
+    Edge(u32, (usize, f64)),
+    Alone,
 }
 
 impl PartSolver {
@@ -110,7 +120,7 @@ impl PartSolver {
                     best = Some(Best {
                         point,
                         support: Support::Vertex(v),
-                        at: None,
+                        at: At::Alone,
                     });
                 }
                 return;
@@ -124,11 +134,10 @@ impl PartSolver {
                     Some(last) => Support::Vertex(edge.ends[usize::from(last)]),
                     None => Support::Edge(item),
                 };
-                let at = Some([on.at.0 as f64, on.at.1]);
                 best = Some(Best {
                     point: on.point,
                     support,
-                    at,
+                    at: At::Edge(item, on.at),
                 });
             }
         });
@@ -148,7 +157,7 @@ impl PartSolver {
                     best = Some(Best {
                         point,
                         support: Support::Face(k),
-                        at: Some(uv),
+                        at: At::Face(uv),
                     });
                 }
                 nearer
@@ -181,17 +190,21 @@ impl PartSolver {
 
 fn answer(part: &Part, q: &Point3, best: &Best, certified: bool) -> PartFoot {
     let distance = (q - best.point).norm();
-    let (normal, face, gap_m) = match (best.support, best.at) {
-        (Support::Face(k), Some(uv)) => (part.faces[k as usize].normal(uv), k, 0.0),
-        (Support::Edge(k), Some([segment, t])) => {
+    let (face, uv) = match best.at {
+        At::Face(uv) => (best.support.index(), uv),
+        At::Edge(k, at) => part.beside_edge(k, at),
+        At::Alone => part.beside_vertex(best.support.index()),
+    };
+    let (normal, gap_m) = match (best.support, best.at) {
+        (Support::Edge(k), At::Edge(_, at)) => {
             let edge = &part.edges[k as usize];
-            let normal = edge.normal(&part.faces, (segment as usize, t));
-            (normal, edge.sides[0].face, edge.gap_m)
+            (edge.normal(&part.faces, at), edge.gap_m)
         }
-        (support, _) => {
-            let vertex = &part.vertices[support.index() as usize];
-            (vertex.normal, vertex.face.unwrap_or(0), vertex.gap_m)
+        (Support::Vertex(k), _) => {
+            let vertex = &part.vertices[k as usize];
+            (vertex.normal, vertex.gap_m)
         }
+        _ => (part.faces[face as usize].normal(uv), 0.0),
     };
     let side = normal.dot(&(q - best.point));
     let signed = match distance < gap_m {
@@ -207,6 +220,7 @@ fn answer(part: &Part, q: &Point3, best: &Best, certified: bool) -> PartFoot {
         signed_distance: part.is_closed().then_some(signed),
         support: best.support,
         face,
+        place: part.place(face, uv),
         certified,
     }
 }

@@ -14,6 +14,7 @@ mod measure;
 #[expect(clippy::module_inception)]
 mod part;
 mod pcurve;
+mod place;
 mod tree;
 mod triangles;
 mod trim;

@@ -80,6 +80,8 @@ pub(super) struct Face {
     pub carrier: Carrier,
     pub same_sense: bool,
     pub trim: Trim,
+    /// Outside which nothing of it is.
+    pub range_u: [f64; 2],
     pub loops: usize,
     /// Where a B-spline ends, and is more than a pole: at the start and the end of u and of v.
     pub rims: [[bool; 2]; 2],
@@ -305,6 +307,7 @@ impl<'a> Build<'a> {
             id: face.id,
             carrier: face.carrier.clone(),
             same_sense: face.same_sense,
+            range_u: trim.extent()[0],
             trim,
             loops: chains.len(),
             rims: face.carrier.rims(),
