@@ -1,8 +1,8 @@
 //! Surfaces and what touches them: B-spline and NURBS geometry, contact queries, CAD exchange.
 //!
 //! ```text
-//! math ──▶ basis ──▶ surface ──┬──▶ contact              tool shapes, narrow and broad phases
-//!                              └──▶ part ──▶ exchange    STEP, IGES, STL, OBJ, glTF
+//! math ──▶ basis ──▶ surface ──▶ part ──┬──▶ skin ──▶ contact    tool shapes, narrow and broad phases
+//!                                       └──▶ exchange            STEP, IGES, STL, OBJ, glTF
 //! ```
 //! Pure arithmetic apart from reading the files it is given: no clock, no threads, no sockets, and
 //! the same bits for the same input on the same build.
@@ -15,4 +15,5 @@ pub mod contact;
 pub mod exchange;
 pub mod math;
 pub mod part;
+pub mod skin;
 pub mod surface;

@@ -47,7 +47,7 @@ fn pressed(
         Ok(world) => world,
         Err(why) => return failed(case, &why),
     };
-    let touch = first_touch(world.scene.rest_surface(0));
+    let touch = first_touch(world.scene.rest_surface(0).expect("a surface"));
     let mut press = |k: usize| {
         let depth = 3e-3 * (k as f64 / PRESS as f64).min(1.0);
         world.at([touch - depth, 0.003, 0.045]).tools[0]

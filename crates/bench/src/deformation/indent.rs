@@ -171,7 +171,7 @@ pub(super) fn teardrop_row(case: &TeardropCase, effort: Effort) -> Row {
             };
         }
     };
-    let touch = first_touch(world.scene.rest_surface(0));
+    let touch = first_touch(world.scene.rest_surface(0).expect("a surface"));
     let forces = slowly(touch, effort, |x| {
         world.at([x, 0.003, 0.045]).tools[0].force_n.x
     });
@@ -238,7 +238,7 @@ fn ticks_of(case: &str, model: &'static str, text: &str, effort: Effort) -> Row 
         Ok(world) => world,
         Err(why) => return failed(case, &why),
     };
-    let touch = first_touch(world.scene.rest_surface(0));
+    let touch = first_touch(world.scene.rest_surface(0).expect("a surface"));
     let ticks = if effort == Effort::Quick { 500 } else { 5_000 };
     for k in 0..ticks {
         let t = k as f64 * 1e-3;

@@ -145,7 +145,7 @@ impl Pokes {
 
 fn poked(case: &str, model: &str, poisson: f64, scale: f64, ticks: usize) -> Result<Row, String> {
     let mut world = World::new(&text(model, poisson, scale))?;
-    let surface = world.scene.rest_surface(0).clone();
+    let surface = world.scene.rest_surface(0).expect("a surface").clone();
     let start = Point3::new(0.2, 0.0, 0.045);
     let mut pokes = Pokes {
         random: Random(0x5eed),

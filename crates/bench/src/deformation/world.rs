@@ -135,7 +135,7 @@ impl World {
 
     /// The first body's surface as it is now.
     pub(super) fn surface(&self) -> Surface {
-        let mut surface = self.scene.rest_surface(0).clone();
+        let mut surface = self.scene.rest_surface(0).expect("a surface").clone();
         let points = surface.net_mut().points_mut();
         self.state.copy_net(&self.scene, 0, points);
         surface

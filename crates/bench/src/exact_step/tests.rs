@@ -150,7 +150,7 @@ fn a_plane_presses_a_slab_with_e_a_times_the_strain() {
     let mut exact = ExactStep::new(body);
     // So long that inertia is nothing beside what holds the body.
     exact.dt_s = 1e4;
-    let skin = Skin::new(&exact, scene.rest_surface(0), [21, 21], |_| true).unwrap();
+    let skin = Skin::new(&exact, scene.rest_surface(0).expect("a surface"), [21, 21], |_| true).unwrap();
     let (mut state, mut touch) = (body.rest_state(), Touch::default());
     let plate = Obstacle::Plane {
         point: Point3::new(0.0, 0.0, -strain * thickness),
@@ -181,7 +181,7 @@ fn a_block_that_falls_on_a_plane_comes_to_rest_on_its_weight() {
     let body = scene.deformable(0).unwrap();
     let mut exact = ExactStep::new(body);
     (exact.damping_s, exact.gravity) = (2e-2, Vector3::new(0.0, 0.0, 9.81));
-    let surface = scene.rest_surface(0);
+    let surface = scene.rest_surface(0).expect("a surface");
     let skin = Skin::new(&exact, surface, [25, 25], |_| true).unwrap();
     assert_eq!(skin.len(), 625);
     let (mut state, mut touch) = (body.rest_state(), Touch::default());

@@ -3,15 +3,16 @@
 //! shape that the table does not know does not compile.
 //!
 //! ```text
-//!                    exact                     spheres
-//! point, sphere      exact::ball               spheres
-//! plane              exact::plane              spheres
-//! implicit           implicit                  spheres
-//! mesh               mesh                      spheres
-//! surface, body      pair                      spheres on both
-//! the body itself    own                       refused
+//! body               a surface                 a surface          a part
+//!                    exact                     spheres            exact
+//! point, sphere      exact::ball               spheres            part::ball
+//! plane              exact::plane              spheres            part::plane
+//! implicit           implicit                  spheres            refused
+//! mesh               mesh                      spheres            refused
+//! surface, body      pair                      spheres on both    refused
+//! the body itself    own                       refused            refused
 //! ```
-//! Surfaces in joined pieces have no `spheres`.
+//! Surfaces in joined pieces have no `spheres`, nor have parts.
 
 use super::exact::{self, ExactScratch};
 use super::features::FeatureSearch;
@@ -19,10 +20,12 @@ use super::implicit::{ImplicitSolver, ImplicitTool};
 use super::mesh::{MeshSolver, MeshTool};
 use super::own::SelfSolver;
 use super::pair::{PairSide, PairSolver};
+use super::part::{self, PartScratch, PartSide};
 use super::spheres::{Counters, Solid, Spheres, SpheresPair};
 use super::{Contact, ContactSet, Reach, ToolShape};
 use crate::math::{Point3, Pose, Vector3};
-use crate::surface::{ClosestSolver, Surface};
+use crate::skin::{Skin, SkinSolver};
+use crate::surface::{ClosestPoint, ClosestSolver, Surface};
 
 /// How the contacts of a pair are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,8 +51,8 @@ impl Method {
 pub enum Party<'a> {
     /// A tool.
     Tool(&'a ToolShape),
-    /// Another body, by its surface at rest.
-    Body(&'a Surface),
+    /// Another body, by its skin at rest.
+    Body(&'a Skin),
     /// The body itself, where it folds.
     Itself,
 }
@@ -66,7 +69,7 @@ impl Party<'_> {
 
     fn surface(&self) -> Option<&Surface> {
         match self {
-            Self::Body(surface) => Some(surface),
+            Self::Body(skin) => skin.surface(),
             Self::Tool(ToolShape::Surface(shape)) => Some(shape.surface()),
             Self::Tool(
                 ToolShape::Point
@@ -83,7 +86,7 @@ impl Party<'_> {
 /// A pair that no query answers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "a body against {party:?} has no {method:?} contact: {why}; use method = \"exact\" or \"none\""
+    "a body against {party:?} has no {method:?} contact: {why}; {help}"
 )]
 pub struct UnsupportedPair {
     /// What stands against the body: the name of a tool shape, `body` or `itself`.
@@ -92,31 +95,67 @@ pub struct UnsupportedPair {
     pub method: &'static str,
     /// What it lacks.
     pub why: &'static str,
+    /// What to do.
+    pub help: &'static str,
+}
+
+/// A body as contact queries take it.
+#[derive(Debug)]
+pub struct SkinSide<'a> {
+    /// As it stands.
+    pub skin: &'a Skin,
+    /// Its solver.
+    pub solver: &'a mut SkinSolver,
+}
+
+impl<'a> SkinSide<'a> {
+    /// A body that is a surface.
+    pub fn surface(self) -> Option<PairSide<'a>> {
+        Some(PairSide {
+            surface: self.skin.surface()?,
+            solver: self.solver.surface_mut()?,
+        })
+    }
 }
 
 /// Says whether a pair has a query; [`Narrow::new`] makes it.
 ///
 /// # Errors
 /// The combination has none.
-pub fn check(body: &Surface, party: Party<'_>, method: Method) -> Result<(), UnsupportedPair> {
-    let refuse = |why| {
+pub fn check(body: &Skin, party: Party<'_>, method: Method) -> Result<(), UnsupportedPair> {
+    const EXACT: &str = "use method = \"exact\" or \"none\"";
+    let refuse = |why, help| {
         Err(UnsupportedPair {
             party: party.name(),
             method: method.name(),
             why,
+            help,
         })
     };
+    let of_part = body.part().is_some() || matches!(party, Party::Body(Skin::Part(_)));
+    let joined = |surface: &Surface| surface.joints().is_some();
     match (party, method) {
-        (_, Method::Exact) => Ok(()),
-        (Party::Itself, Method::Spheres(_)) => refuse("its points cannot tell a fold from a wall"),
-        (Party::Tool(_) | Party::Body(_), Method::Spheres(_)) => {
-            let joined = |surface: &Surface| surface.joints().is_some();
-            if joined(body) || party.surface().is_some_and(joined) {
-                refuse("the surface is in joined pieces")
-            } else {
-                Ok(())
-            }
+        (Party::Itself, Method::Spheres(_)) => {
+            refuse("its points cannot tell a fold from a wall", EXACT)
         }
+        (
+            Party::Tool(ToolShape::Point | ToolShape::Sphere { .. } | ToolShape::Plane { .. }),
+            Method::Exact,
+        ) => Ok(()),
+        (_, Method::Exact) if of_part => refuse(
+            "one of them is a part, trimmed faces of a CAD file, which points, spheres and planes touch",
+            "use such a tool, fit a surface to the part (palpate surface fit), or exclude the pair with method = \"none\"",
+        ),
+        (_, Method::Spheres(_)) if of_part => refuse(
+            "a part has no rows of points",
+            "use method = \"exact\" or \"none\"",
+        ),
+        (_, Method::Spheres(_))
+            if body.surface().is_some_and(joined) || party.surface().is_some_and(joined) =>
+        {
+            refuse("the surface is in joined pieces", EXACT)
+        }
+        _ => Ok(()),
     }
 }
 
@@ -133,6 +172,8 @@ pub struct Narrow {
 /// What finds the contacts of a pair.
 #[derive(Debug)]
 enum Query {
+    /// Points, balls and planes on a part.
+    Part(Box<PartScratch>),
     /// Points, balls and planes.
     Simple(Box<ExactScratch>),
     /// A function's solid.
@@ -165,21 +206,32 @@ pub struct Facing {
 }
 
 impl Narrow {
-    /// What a pair needs, and no more. `body` is the surface at rest.
+    /// What a pair needs, and no more. `body` is the skin at rest.
     ///
     /// # Errors
     /// No query answers the combination, as [`check`] says.
-    pub fn new(body: &Surface, party: Party<'_>, method: Method) -> Result<Self, UnsupportedPair> {
+    pub fn new(body: &Skin, party: Party<'_>, method: Method) -> Result<Self, UnsupportedPair> {
         check(body, party, method)?;
+        let body = match body {
+            Skin::Surface(surface) => surface,
+            Skin::Part(placed) => {
+                return Ok(Self {
+                    set: ContactSet::new(),
+                    query: Query::Part(Box::new(PartScratch::new(placed.part()))),
+                    features: None,
+                });
+            }
+        };
+        let other = party.surface();
         let query = match (party, method) {
             (Party::Itself, Method::Exact | Method::Spheres(_)) => {
                 Query::Own(Box::new(SelfSolver::new(body)))
             }
-            (Party::Body(other), Method::Exact) => {
-                Query::Bodies(Box::new(PairSolver::new(body, other)))
+            (Party::Body(_), Method::Exact) => {
+                Query::Bodies(Box::new(PairSolver::new(body, other.unwrap_or(body))))
             }
-            (Party::Body(other), Method::Spheres(rows)) => {
-                Query::BodiesSpheres(Box::new(TwoSpheres::new(body, other, rows)))
+            (Party::Body(_), Method::Spheres(rows)) => {
+                Query::BodiesSpheres(Box::new(TwoSpheres::new(body, other.unwrap_or(body), rows)))
             }
             (Party::Tool(shape), method) => match (shape, method) {
                 (
@@ -227,15 +279,42 @@ impl Narrow {
     }
 
     /// Contacts of a tool at `pose` with a body. `shape` is that with which the pair was made.
-    pub fn contacts(&mut self, shape: &ToolShape, pose: &Pose, body: PairSide<'_>, reach: Reach) {
+    pub fn contacts(&mut self, shape: &ToolShape, pose: &Pose, body: SkinSide<'_>, reach: Reach) {
         let Self {
             set,
             query,
             features,
         } = self;
         set.clear();
-        let PairSide { surface, solver } = body;
         let place = Point3::from(pose.translation.vector);
+        let (surface, solver) = match (body.skin, body.solver) {
+            (Skin::Surface(surface), SkinSolver::Surface(solver)) => (surface, &mut **solver),
+            (Skin::Part(placed), SkinSolver::Part(solver)) => {
+                let Query::Part(scratch) = query else {
+                    return made_for_another(shape);
+                };
+                let side = PartSide {
+                    part: placed.part(),
+                    pose: placed.pose(),
+                    solver,
+                };
+                match shape {
+                    ToolShape::Point | ToolShape::Sphere { .. } => {
+                        let radius_m = shape.ball_radius_m().unwrap_or(0.0);
+                        part::ball::contacts(side, &place, radius_m, &reach, scratch, set);
+                    }
+                    ToolShape::Plane { normal } => {
+                        let plane = pose.rotation * normal;
+                        part::plane::contacts(side, &place, &plane, &reach, scratch, set);
+                    }
+                    ToolShape::Implicit { .. } | ToolShape::Mesh(_) | ToolShape::Surface(_) => {
+                        made_for_another(shape);
+                    }
+                }
+                return;
+            }
+            _ => return made_for_another(shape),
+        };
         let mut edges = features.as_mut().zip(shape.features());
         if let Some((search, known)) = &mut edges {
             search.find(known, pose, surface, solver, &reach);
@@ -340,7 +419,8 @@ impl Narrow {
                     return None;
                 };
                 let contacts = self.set.contacts();
-                return look_at(contacts, x, margin_m, &placed.surface, &placed.solver);
+                let local = |x: &Point3, s, t| placed.solver.local(&placed.surface, x, s, t);
+                return look_at(contacts, x, margin_m, local);
             }
         };
         Some(Facing {
@@ -405,7 +485,8 @@ impl Narrow {
         match &self.query {
             Query::Spheres(spheres) => Some(spheres.counters()),
             Query::SurfaceSpheres(two, _) | Query::BodiesSpheres(two) => Some(two.pair.counters()),
-            Query::Simple(_)
+            Query::Part(_)
+            | Query::Simple(_)
             | Query::Implicit(_)
             | Query::Mesh(_)
             | Query::Surface(..)
@@ -521,20 +602,19 @@ impl PlacedSurface {
 /// What a point of a body sees of the other surface, which touches it at these contacts.
 ///
 /// A point inside a convex solid lies beyond the tangent plane at the solid's deepest point: that
-/// sorts out nearly all. The foot is the one that leads on from the nearest contact's.
+/// sorts out nearly all. The foot is the one that `local` leads to from the nearest contact's.
 pub fn look_at(
     contacts: &[Contact],
     x: &Point3,
     margin_m: f64,
-    other: &Surface,
-    solver: &ClosestSolver,
+    local: impl Fn(&Point3, f64, f64) -> Option<ClosestPoint>,
 ) -> Option<Facing> {
     let away = |c: &Contact| (c.on_body - x).norm_squared();
     let beyond = contacts
         .iter()
         .filter(|c| (x - c.on_tool).dot(&c.normal) > -margin_m);
     let [s, t] = beyond.min_by(|a, b| away(a).total_cmp(&away(b)))?.tool_uv?;
-    let foot = solver.local(other, x, s, t)?;
+    let foot = local(x, s, t)?;
     Some(Facing {
         gap_m: foot.signed_distance,
         normal: -foot.normal,
@@ -555,7 +635,7 @@ mod tests {
     /// of the table.
     #[test]
     fn every_tool_shape_touches_by_both_methods() {
-        let sheet = builtin("sheet", Some([7, 7]), Some(0.1)).unwrap();
+        let sheet = Skin::from(builtin("sheet", Some([7, 7]), Some(0.1)).unwrap());
         let radius_m = 0.01;
         let implicit = ImplicitShape::Sphere { radius_m };
         let globe = builtin("sphere", None, Some(2.0 * radius_m)).unwrap();
@@ -582,9 +662,9 @@ mod tests {
             let pose = Pose::translation(0.003, 0.001, low_m - 1e-3);
             for method in METHODS {
                 let mut narrow = Narrow::new(&sheet, Party::Tool(&shape), method).unwrap();
-                let body = PairSide {
-                    surface: &sheet,
-                    solver: &mut ClosestSolver::new(&sheet),
+                let body = SkinSide {
+                    skin: &sheet,
+                    solver: &mut SkinSolver::new(&sheet),
                 };
                 let reach = Reach {
                     margin_m: 1e-4,
@@ -610,7 +690,7 @@ mod tests {
 
     #[test]
     fn a_body_against_itself_on_points_is_refused_by_name() {
-        let sheet = builtin("sheet", None, None).unwrap();
+        let sheet = Skin::from(builtin("sheet", None, None).unwrap());
         let refused = Narrow::new(&sheet, Party::Itself, METHODS[1]).unwrap_err();
         assert_eq!((refused.party, refused.method), ("itself", "spheres"));
         assert!(refused.to_string().contains("use method = \"exact\""));

@@ -23,6 +23,7 @@ mod joint_tests;
 pub mod mesh;
 pub mod own;
 pub mod pair;
+pub mod part;
 mod samples;
 mod set;
 mod shape;

@@ -45,6 +45,20 @@ impl Part {
         (face, [0.0, nearest.map_or(0.0, |(_, _, v)| *v)])
     }
 
+    /// A point is on an edge that only one face has, to within `close_m`: on the rim of a sheet.
+    pub fn ends_at(&self, point: &Point3, close_m: f64) -> bool {
+        let mut found = false;
+        let mut ceiling = close_m * close_m;
+        self.wires.nearest(point, &mut ceiling, |item, ceiling| {
+            if let Some(edge) = self.edges.get(item as usize)
+                && edge.sides.len() == 1
+            {
+                found |= edge.curve.closest(point, *ceiling).is_some();
+            }
+        });
+        found
+    }
+
     /// The point at a place, m.
     pub fn point(&self, place: [f64; 2]) -> Point3 {
         let (face, uv) = self.on_face(place);

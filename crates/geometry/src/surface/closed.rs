@@ -7,7 +7,7 @@
 //! [`Surface::joints`].
 
 use super::joints::Sets;
-use super::{Closing, ControlNet, Surface, Topology};
+use super::{ClosestPoint, Closing, ControlNet, Surface, Topology};
 use crate::basis::{KnotKind, KnotVector, Side};
 use crate::math::{Point3, Vector3, gauss_legendre};
 
@@ -23,6 +23,19 @@ impl Surface {
     /// Diagonal of the net's bounding box, m: the length that tolerances are relative to.
     pub fn size(&self) -> f64 {
         self.net().size()
+    }
+
+    /// A foot is where the surface ends: on its rim, not where two rims lie upon each other within `close_m`.
+    pub fn ends_at(&self, foot: &ClosestPoint, close_m: f64) -> bool {
+        let at_end = |knots: &KnotVector, t: f64, other: &dyn Fn(f64) -> Point3| {
+            let (start, end) = knots.domain();
+            let opposite = if t <= start { end } else { start };
+            !knots.is_periodic()
+                && (t <= start || t >= end)
+                && (other(opposite) - foot.point).norm() > close_m
+        };
+        at_end(self.knots_u(), foot.u, &|u| self.point(u, foot.v))
+            || at_end(self.knots_v(), foot.v, &|v| self.point(foot.u, v))
     }
 
     /// Inside of the surface or on a periodic seam, and on no crease.

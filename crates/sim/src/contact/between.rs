@@ -4,14 +4,13 @@ use super::bounce;
 use super::feet::{MAX_FEET, margin_m, meet, moving, push_between};
 use super::meeting::Meeting;
 use super::search::Search;
-use crate::party::view;
+use crate::party::{BodyScratch, view};
 use crate::solve::row_key::RowKey;
 use crate::solve::rows::Approach;
 use palpate_geometry::basis::BasisWindow;
 use palpate_geometry::contact::dispatch::look_at;
 use palpate_geometry::contact::{Contact, Facing, Reach, ToolPoint};
 use palpate_geometry::math::{Point3, Vector3};
-use palpate_geometry::surface::{ClosestSolver, Surface};
 
 /// Deepest fold of a body into itself that a tick looks for, relative to the size.
 const FOLD: f64 = 5e-3;
@@ -50,7 +49,7 @@ pub(super) fn bodies(search: &mut Search<'_>, p: usize, other: usize) {
     };
     let proxy = &mut pair_states[p].proxy;
     if my_body.two_sided && their_body.two_sided && !proxy.touching {
-        let corner = theirs.surface.net().points()[0];
+        let corner = theirs.skin.points()[0];
         let moved_m = states[pair.body].moved_m;
         mine.sided(my_body).look(&corner, moved_m, proxy);
     }
@@ -64,7 +63,10 @@ pub(super) fn bodies(search: &mut Search<'_>, p: usize, other: usize) {
     };
     // What is closed has the side of a sheet on which it touches, as long as it does.
     let known = their_body.two_sided || proxy.touching && proxy.known;
-    let side = pairs[p].body_contacts(mine.side(), theirs.side(), reach, known);
+    let (Some(here), Some(there)) = (mine.side().surface(), theirs.side().surface()) else {
+        return;
+    };
+    let side = pairs[p].body_contacts(here, there, reach, known);
     if my_body.two_sided && !their_body.two_sided {
         proxy.known = side.is_some();
         proxy.below = side.is_some_and(|side| side < 0.0);
@@ -87,7 +89,7 @@ pub(super) fn bodies(search: &mut Search<'_>, p: usize, other: usize) {
     // The side of a sheet belongs to the place where it is touched.
     let side_of = |near: &Contact| match my_body.two_sided {
         true => (near.normal)
-            .dot(&mine.surface.normal(near.u, near.v))
+            .dot(&mine.skin.normal(near.u, near.v))
             .signum(),
         false => 1.0,
     };
@@ -98,9 +100,10 @@ pub(super) fn bodies(search: &mut Search<'_>, p: usize, other: usize) {
     if let Some(view) = views[0].as_ref().filter(|_| !contacts.is_empty()) {
         let bounds = theirs.bounds;
         let look = |x: &Point3| {
-            let seen = look_at(contacts, x, margin, &theirs.surface, &theirs.solver)?;
+            let local = |x: &Point3, s, t| theirs.solver.local(&theirs.skin, x, s, t);
+            let seen = look_at(contacts, x, margin, local)?;
             if free {
-                return straight(x, seen, 1.0, &theirs.surface, &theirs.solver);
+                return straight(x, seen, 1.0, theirs);
             }
             Some(seen)
         };
@@ -143,7 +146,7 @@ pub(super) fn bodies(search: &mut Search<'_>, p: usize, other: usize) {
         let bounds = mine.bounds;
         let look = |x: &Point3| {
             let near = nearest(contacts, x, |c| (x - c.on_body).dot(&c.normal) < margin)?;
-            let foot = mine.solver.local(&mine.surface, x, near.u, near.v)?;
+            let foot = mine.solver.local(&mine.skin, x, near.u, near.v)?;
             let side = side_of(near);
             let gap_m = side * foot.signed_distance;
             let seen = Facing {
@@ -153,7 +156,7 @@ pub(super) fn bodies(search: &mut Search<'_>, p: usize, other: usize) {
             };
             // Beside a rim nothing is deep.
             if free || my_body.two_sided {
-                return straight(x, seen, side, &mine.surface, &mine.solver);
+                return straight(x, seen, side, mine);
             }
             Some(seen)
         };
@@ -213,7 +216,7 @@ pub(super) fn bodies(search: &mut Search<'_>, p: usize, other: usize) {
         sides: contacts.first().map_or([1.0; 2], |near| {
             let [s, t] = near.tool_uv.unwrap_or_default();
             let of_holder = match their_body.two_sided {
-                true => -near.normal.dot(&theirs.surface.normal(s, t)).signum(),
+                true => -near.normal.dot(&theirs.skin.normal(s, t)).signum(),
                 false => 1.0,
             };
             [side_of(near), of_holder]
@@ -243,8 +246,11 @@ pub(super) fn itself(search: &mut Search<'_>, p: usize) {
     let margin = margin_m(0.0, body.size_m) + 2.0 * moving(body, parts);
     // Folds are met as they begin: what is deeper is a wall.
     let deepest_m = FOLD * body.size_m + margin;
+    let Some(own) = parts.side().surface() else {
+        return;
+    };
     pairs[p].own_contacts(
-        parts.side(),
+        own,
         Reach {
             margin_m: margin,
             below: false,
@@ -272,26 +278,21 @@ pub(super) fn itself(search: &mut Search<'_>, p: usize) {
 /// What a point sees of a surface on its side (+1, or −1 below a sheet), if its foot is straight below it.
 /// Descent may end at a pole of a ball, with a foot from which the way to the point is no normal: other
 /// starts around it lead off.
-fn straight(
-    x: &Point3,
-    seen: Facing,
-    side: f64,
-    surface: &Surface,
-    solver: &ClosestSolver,
-) -> Option<Facing> {
+fn straight(x: &Point3, seen: Facing, side: f64, on: &BodyScratch) -> Option<Facing> {
     // Straight below, the way is the gap; beside, it misses the foot.
     let is_straight = |seen: &Facing| {
         let [u, v] = seen.uv;
-        let missed_m = (surface.point(u, v) - (x + seen.normal * seen.gap_m)).norm();
+        let missed_m = (on.skin.point(u, v) - (x + seen.normal * seen.gap_m)).norm();
         missed_m <= ASIDE * seen.gap_m.abs() + ASIDE_M
     };
     if is_straight(&seen) {
         return Some(seen);
     }
     let [u, v] = seen.uv;
+    let surface = on.skin.surface()?;
     let (long_u, long_v) = (surface.knots_u().length(), surface.knots_v().length());
     STARTS.iter().find_map(|(a, b)| {
-        let foot = solver.local(surface, x, u + a * long_u, v + b * long_v)?;
+        let foot = on.solver.local(&on.skin, x, u + a * long_u, v + b * long_v)?;
         let seen = Facing {
             gap_m: side * foot.signed_distance,
             normal: -foot.normal * side,

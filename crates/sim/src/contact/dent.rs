@@ -30,7 +30,10 @@ pub(super) fn touch(search: &mut Search<'_>, p: usize, t: usize, pose: &Pose) {
     if of_controls.is_empty() || !pair.near_field {
         return;
     }
-    let (shape, surface) = (&scene.tools[t].shape, &bodies[pair.body].surface);
+    let shape = &scene.tools[t].shape;
+    let Some(surface) = bodies[pair.body].skin.surface() else {
+        return;
+    };
     let has_edges = shape.features().is_some();
     let mut warm = (warm.of_pair(p))
         .filter(|old| !old.id.key.is_anchor())

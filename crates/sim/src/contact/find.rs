@@ -76,7 +76,7 @@ pub(crate) fn find(search: &mut Search<'_>) {
             // The point of the holder that says on which side of the body it is.
             let place = match pair.holder {
                 Holder::Tool(t) => search.tool_parts[t as usize].free,
-                Holder::Body(other) => search.bodies[other as usize].surface.net().points()[0],
+                Holder::Body(other) => search.bodies[other as usize].skin.points()[0],
             };
             let away_m = distance_squared_to_box(&place, low, high).sqrt();
             let PairState { proxy, thinned, .. } = &mut search.pairs[p];
@@ -180,7 +180,7 @@ fn ball(search: &mut Search<'_>, p: usize, t: usize, radius_m: f64) {
     } else if touched && pair.friction.is_some() {
         target = stick::ball_target(
             &pair_states[p].proxy,
-            &parts.surface,
+            &parts.skin,
             &last,
             &target,
             radius_m,
@@ -397,7 +397,7 @@ fn shape(search: &mut Search<'_>, p: usize, t: usize) -> Pose {
         let moved_m = body_states[pair.body].moved_m;
         let mut sided = parts.sided(body);
         if proxy.touching {
-            let foot = sided.solver.closest(sided.surface, &anchor.place);
+            let foot = sided.solver.closest(sided.skin, &anchor.place);
             sided.go_round(&foot, &anchor.place, proxy);
         } else {
             sided.look(&anchor.place, moved_m, proxy);

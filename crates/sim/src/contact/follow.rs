@@ -143,16 +143,16 @@ impl Treader<'_> {
         parts: &BodyScratch,
         facing: impl Fn(&Point3) -> Option<Facing>,
     ) -> Option<Contact> {
-        let surface = &parts.surface;
+        let skin = &parts.skin;
         let [u, v] = row.uv;
         let on_tool = self.pose * Point3::from(row.on_tool);
-        let local = |query: &Point3| parts.solver.local(surface, query, u, v);
+        let local = |query: &Point3| parts.solver.local(skin, query, u, v);
         let (u, v, on_body) = match self.follow {
             Follow::Rolls => {
                 let foot = local(&(on_tool - self.pose * row.on_tool * INWARD))?;
                 (foot.u, foot.v, foot.point)
             }
-            Follow::OnBody => (u, v, surface.point(u, v)),
+            Follow::OnBody => (u, v, skin.point(u, v)),
             Follow::Stays => {
                 let foot = local(&on_tool)?;
                 return Some(Contact {

@@ -36,14 +36,14 @@ pub(crate) fn update(scene: &Scene, tools: &mut [ToolState], bodies: &[BodyScrat
             grip.fresh = false;
             for anchor in grip.anchors_mut() {
                 let on_surface = bodies[body_of(anchor.pair)]
-                    .surface
+                    .skin
                     .point(anchor.u, anchor.v);
                 anchor.offset = rotation.inverse_transform_vector(&(on_surface - *proxy));
             }
         } else if grip.holds() {
             grip.retain(|anchor| {
                 let body = body_of(anchor.pair);
-                let on_surface = bodies[body].surface.point(anchor.u, anchor.v);
+                let on_surface = bodies[body].skin.point(anchor.u, anchor.v);
                 let on_tool = *proxy + rotation * anchor.offset;
                 strength(apart_m(&on_tool, &on_surface), scene.bodies[body].size_m) > 0.0
             });
@@ -69,12 +69,12 @@ pub(crate) fn push_anchors(
         .iter()
         .filter(|anchor| anchor.pair as usize == p)
     {
-        let on_body = parts.surface.point(anchor.u, anchor.v);
+        let on_body = parts.skin.point(anchor.u, anchor.v);
         let arm = tool.free_turn * anchor.offset;
         let share = scene.tools[t].grip_n * grip.part();
         let limit_n = share * strength(apart_m(&(proxy + arm), &on_body), body.size_m);
         let on_tool = tool.free + arm;
-        let normal = parts.surface.normal(anchor.u, anchor.v) * side;
+        let normal = parts.skin.normal(anchor.u, anchor.v) * side;
         // A row needs some direction to be reported by, even at a pole.
         let normal = if normal.iter().all(|x| x.is_finite()) {
             normal

@@ -73,7 +73,7 @@ pub(crate) fn on_soft(
     let (uv, st) = (remembered.uv, [remembered.on_tool.x, remembered.on_tool.y]);
     let (on_body, on_tool, normal, gap_m, [u, v], st) = match holder_deforms {
         true => {
-            let point = holder.surface.point(st[0], st[1]);
+            let point = holder.skin.point(st[0], st[1]);
             let Below {
                 foot,
                 normal,
@@ -82,7 +82,7 @@ pub(crate) fn on_soft(
             (foot.point, point, normal, gap_m, [foot.u, foot.v], st)
         }
         false => {
-            let point = body.surface.point(uv[0], uv[1]);
+            let point = body.skin.point(uv[0], uv[1]);
             let Below {
                 foot,
                 normal,
@@ -118,7 +118,7 @@ fn below(
     side: f64,
     size_m: f64,
 ) -> Option<Below> {
-    let foot = on.solver.local(&on.surface, point, u, v)?;
+    let foot = on.solver.local(&on.skin, point, u, v)?;
     let normal = foot.normal * side;
     let away = point - foot.point;
     let gap_m = away.dot(&normal);

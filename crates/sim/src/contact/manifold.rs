@@ -91,7 +91,7 @@ pub(super) fn push_manifold(
         }
         let Some(foot) = parts
             .solver
-            .local(&parts.surface, &on_tool, row.uv[0], row.uv[1])
+            .local(&parts.skin, &on_tool, row.uv[0], row.uv[1])
         else {
             continue;
         };

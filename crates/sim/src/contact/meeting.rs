@@ -186,7 +186,7 @@ impl Meeting<'_> {
         let mut count = 0;
         for (old, row) in old.iter_mut().zip(own.clone()) {
             let [u, v] = row.uv;
-            *old = (self.parts.surface.point(u, v), Some(row));
+            *old = (self.parts.skin.point(u, v), Some(row));
             count += 1;
         }
         let deepest = found.iter().filter(|contact| !spans(contact));

@@ -14,7 +14,7 @@ use crate::solve::proxy::ProxyState;
 use crate::solve::rows::{Row, RowSet};
 use crate::solve::solver::Solver;
 use palpate_geometry::math::{Point3, Rotation, Vector3};
-use palpate_geometry::surface::Surface;
+use palpate_geometry::skin::Skin;
 
 /// A contact that has rolled this far from where it stuck, relative to the body's size, sticks anew
 /// where it is: the body may turn under the tool, and another place of it moves otherwise. Far
@@ -48,14 +48,14 @@ pub(crate) fn held_back(slide: Vector3, blocked: Vector3, mu: f64) -> Vector3 {
 /// as far as friction lets it.
 pub(crate) fn ball_target(
     proxy: &ProxyState,
-    surface: &Surface,
+    skin: &Skin,
     last: &Point3,
     target: &Point3,
     radius_m: f64,
     mu: f64,
 ) -> Point3 {
-    let foot = surface.point(proxy.foot.u, proxy.foot.v);
-    let outward = surface.normal(proxy.foot.u, proxy.foot.v) * if proxy.below { -1.0 } else { 1.0 };
+    let foot = skin.point(proxy.foot.u, proxy.foot.v);
+    let outward = skin.normal(proxy.foot.u, proxy.foot.v) * if proxy.below { -1.0 } else { 1.0 };
     // At an edge the ball leans against it from where it is.
     let away = last - foot;
     let distance = away.norm();
@@ -150,7 +150,7 @@ fn predicted(rows: &mut RowSet, body: &Body, parts: &BodyScratch, u: f64, v: f64
     match view(body, parts) {
         Some(view) => rows.predicted_point(&view, u, v),
         None => {
-            let point = parts.surface.point(u, v);
+            let point = parts.skin.point(u, v);
             point + parts.step.at(&point)
         }
     }

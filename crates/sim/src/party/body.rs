@@ -6,10 +6,10 @@ use crate::body::{DeformableScratch, DeformableState};
 use crate::in_place::clone_in_place;
 use crate::scene::{Body, Scene};
 use crate::solve::side::Sided;
-use palpate_geometry::contact::pair::PairSide;
+use palpate_geometry::contact::dispatch::SkinSide;
 use palpate_geometry::math::{Point3, Vector3};
 use palpate_geometry::stateful;
-use palpate_geometry::surface::{ClosestSolver, Surface};
+use palpate_geometry::skin::{Skin, SkinSolver};
 
 /// State of a body.
 #[derive(Debug, Default, PartialEq)]
@@ -90,9 +90,9 @@ stateful!(BodyState, |this, walk| {
 /// Buffers of a body.
 #[derive(Debug)]
 pub struct BodyScratch {
-    /// The surface with the net of the state.
-    pub(crate) surface: Surface,
-    pub(crate) solver: ClosestSolver,
+    /// As it stands.
+    pub(crate) skin: Skin,
+    pub(crate) solver: SkinSolver,
     /// Box of the net now and after free motion: the surface stays in it through the tick.
     pub(crate) bounds: (Point3, Point3),
     pub(super) deforming: Option<DeformingScratch>,
@@ -105,29 +105,29 @@ impl BodyScratch {
     /// Of a body that stands still.
     pub(crate) fn of(body: &Body) -> Self {
         Self {
-            surface: body.surface.clone(),
-            solver: ClosestSolver::new(&body.surface),
-            bounds: box_of(body.surface.net().points()),
+            skin: body.skin.clone(),
+            solver: SkinSolver::new(&body.skin),
+            bounds: box_of(body.skin.points()),
             deforming: None,
             step: RigidStep::NONE,
             rigid: None,
         }
     }
 
-    /// The surface as points see it that keep their side of it.
+    /// The body as points see it that keep their side of it.
     pub(crate) fn sided(&mut self, body: &Body) -> Sided<'_> {
         Sided {
-            surface: &self.surface,
+            skin: &self.skin,
             solver: &mut self.solver,
             size_m: body.size_m,
             two_sided: body.two_sided,
         }
     }
 
-    /// The surface as contact queries take it.
-    pub(crate) fn side(&mut self) -> PairSide<'_> {
-        PairSide {
-            surface: &self.surface,
+    /// The body as contact queries take it.
+    pub(crate) fn side(&mut self) -> SkinSide<'_> {
+        SkinSide {
+            skin: &self.skin,
             solver: &mut self.solver,
         }
     }

@@ -22,7 +22,7 @@ use std::iter::{empty, once};
 pub(crate) fn view<'a>(body: &'a Body, parts: &'a BodyScratch) -> Option<DeformingView<'a>> {
     let deforming = parts.deforming.as_ref()?;
     Some(DeformingView {
-        surface: &parts.surface,
+        surface: parts.skin.surface()?,
         predicted: &deforming.predicted_net,
         samples: &body.deforming()?.samples,
     })
@@ -79,7 +79,7 @@ impl Party for Of<'_, &DeformingBody> {
     }
 
     fn scratch(&self) -> BodyScratch {
-        let net = self.body.surface.net().points();
+        let net = self.body.skin.points();
         BodyScratch {
             deforming: Some(DeformingScratch {
                 deformable: self.kind.deformable.scratch(),
@@ -92,13 +92,15 @@ impl Party for Of<'_, &DeformingBody> {
 
     fn prepare(&self, field: Field, state: &BodyState, scratch: &mut BodyScratch, predicted: bool) {
         let BodyScratch {
-            surface,
+            skin,
             solver,
             bounds,
             deforming,
             ..
         } = scratch;
-        let (Some(deforming), Some(nodes)) = (deforming, &state.deformable) else {
+        let (Some(deforming), Some(nodes), Some(surface)) =
+            (deforming, &state.deformable, skin.surface_mut())
+        else {
             return;
         };
         let deformable = &self.kind.deformable;
@@ -578,7 +580,7 @@ impl Of<'_, &DeformingBody> {
     fn moved(&self, state: &DeformableState, scratch: &BodyScratch) -> (f64, f64) {
         let mut most: f64 = 0.0;
         let (mut low, mut high) = (Point3::from([f64::MAX; 3]), Point3::from([f64::MIN; 3]));
-        for (control, old) in scratch.surface.net().points().iter().enumerate() {
+        for (control, old) in scratch.skin.points().iter().enumerate() {
             let now = &state.positions[self.kind.deformable.coordinate_of_control(control)];
             let step = (now - old).norm_squared();
             most = if step > most { step } else { most };

@@ -32,6 +32,6 @@ impl Party for Of<'_, Fixed> {
     }
 
     fn net(&self, _: &BodyState, out: &mut [Point3]) {
-        out.copy_from_slice(self.body.surface.net().points());
+        out.copy_from_slice(self.body.skin.points());
     }
 }

@@ -146,7 +146,7 @@ impl Party for Of<'_, Freed<'_>> {
         _: &mut Option<Box<dyn Pipeline>>,
     ) -> Option<TickFault> {
         if state.is_left_alone() {
-            arrive(state, scratch);
+            arrive(self.body, &self.kind.mover.placement, state, scratch);
             return None;
         }
         let (rigid, now) = (scratch.rigid.as_mut()?, state.rigid.as_ref()?);
@@ -156,9 +156,9 @@ impl Party for Of<'_, Freed<'_>> {
             rigid.next = self.with(Flight::default());
         }
         let placement = &self.kind.mover.placement;
-        let (rest, current) = (self.body.surface.net(), scratch.surface.net());
-        scratch.step.most_m = rigid.place(placement, rest.points(), current.points());
-        arrive(state, scratch);
+        let (rest, current) = (self.body.skin.points(), scratch.skin.points());
+        scratch.step.most_m = rigid.place(placement, rest, current);
+        arrive(self.body, placement, state, scratch);
         fault
     }
 

@@ -17,6 +17,7 @@ use crate::haptics::LinkPhase;
 use crate::scene::{Body, MovedBy, Mover, SPEED_MAX_M_S, TURNING_MAX_RAD_S, between, smooth};
 use crate::tick::record::TickFault;
 use palpate_geometry::math::{Point3, Pose, Rotation, rotation_by, turn_between};
+use palpate_geometry::skin::Skin;
 
 impl Party for Of<'_, &Mover> {
     type State = BodyState;
@@ -60,7 +61,7 @@ impl Party for Of<'_, &Mover> {
         scratch: &mut BodyScratch,
         _: &mut Option<Box<dyn Pipeline>>,
     ) -> Option<TickFault> {
-        arrive(state, scratch);
+        arrive(self.body, &self.kind.placement, state, scratch);
         None
     }
 
@@ -149,21 +150,17 @@ pub(super) fn starting(rigid: RigidState) -> BodyState {
 /// Its buffers.
 pub(super) fn buffers(body: &Body, start: RigidState) -> BodyScratch {
     BodyScratch {
-        rigid: Some(RigidScratch::new(start, body.surface.net().points())),
+        rigid: Some(RigidScratch::new(start, body.skin.points())),
         ..BodyScratch::of(body)
     }
 }
 
 /// Brings its buffers in line with its state.
 pub(super) fn prepare(body: &Body, placement: &Pose, state: &BodyState, scratch: &mut BodyScratch) {
-    net(
-        body,
-        placement,
-        state,
-        scratch.surface.net_mut().points_mut(),
-    );
-    scratch.solver.net_changed();
-    scratch.bounds = box_of(scratch.surface.net().points());
+    if let Some(now) = &state.rigid {
+        put(body, placement, now, scratch);
+    }
+    scratch.bounds = box_of(scratch.skin.points());
     scratch.step = RigidStep::NONE;
     if let (Some(rigid), Some(now)) = (&mut scratch.rigid, &state.rigid) {
         rigid.next = *now;
@@ -173,7 +170,7 @@ pub(super) fn prepare(body: &Body, placement: &Pose, state: &BodyState, scratch:
 /// It does not move in the tick that begins.
 pub(super) fn stay(state: &BodyState, scratch: &mut BodyScratch) {
     scratch.step = RigidStep::NONE;
-    scratch.bounds = box_of(scratch.surface.net().points());
+    scratch.bounds = box_of(scratch.skin.points());
     if let (Some(rigid), Some(now)) = (&mut scratch.rigid, &state.rigid) {
         rigid.next = *now;
     }
@@ -191,8 +188,8 @@ pub(super) fn go(
         return;
     };
     rigid.next = next;
-    let current = scratch.surface.net().points();
-    let most_m = rigid.place(placement, body.surface.net().points(), current);
+    let current = scratch.skin.points();
+    let most_m = rigid.place(placement, body.skin.points(), current);
     let (here, there) = (scratch.bounds, box_of(&rigid.net));
     scratch.bounds = (here.0.inf(&there.0), here.1.sup(&there.1));
     scratch.step = RigidStep {
@@ -203,8 +200,30 @@ pub(super) fn go(
     };
 }
 
+/// Puts its skin where it is.
+fn put(body: &Body, placement: &Pose, now: &RigidState, scratch: &mut BodyScratch) {
+    match (&mut scratch.skin, &body.skin) {
+        (Skin::Surface(surface), Skin::Surface(rest)) => {
+            let points = surface.net_mut().points_mut().iter_mut();
+            for (point, rest) in points.zip(rest.net().points()) {
+                *point = now.carry(placement, rest);
+            }
+        }
+        (Skin::Part(placed), Skin::Part(rest)) => {
+            placed.place(now.carry_pose(placement, rest.pose()));
+        }
+        _ => debug_assert!(false, "buffers of another body"),
+    }
+    scratch.solver.net_changed();
+}
+
 /// It is where it went.
-pub(super) fn arrive(state: &mut BodyState, scratch: &mut BodyScratch) {
+pub(super) fn arrive(
+    body: &Body,
+    placement: &Pose,
+    state: &mut BodyState,
+    scratch: &mut BodyScratch,
+) {
     let (Some(rigid), Some(now)) = (&scratch.rigid, &mut state.rigid) else {
         return;
     };
@@ -212,9 +231,13 @@ pub(super) fn arrive(state: &mut BodyState, scratch: &mut BodyScratch) {
     state.moved_m = scratch.step.most_m;
     if scratch.step.most_m > 0.0 {
         state.revision += 1;
-        let net = scratch.surface.net_mut().points_mut();
-        net.copy_from_slice(&rigid.net);
-        scratch.solver.net_changed();
+        match scratch.skin.surface_mut() {
+            Some(surface) => {
+                surface.net_mut().points_mut().copy_from_slice(&rigid.net);
+                scratch.solver.net_changed();
+            }
+            None => put(body, placement, now, scratch),
+        }
     }
     scratch.step = RigidStep::NONE;
 }
@@ -222,7 +245,7 @@ pub(super) fn arrive(state: &mut BodyState, scratch: &mut BodyScratch) {
 /// Its net in a state.
 pub(super) fn net(body: &Body, placement: &Pose, state: &BodyState, out: &mut [Point3]) {
     if let Some(rigid) = &state.rigid {
-        for (point, rest) in out.iter_mut().zip(body.surface.net().points()) {
+        for (point, rest) in out.iter_mut().zip(body.skin.points()) {
             *point = rigid.carry(placement, rest);
         }
     }

@@ -156,6 +156,13 @@ impl RigidState {
     }
 }
 
+impl RigidState {
+    /// A frame that the body holds at rest, where it is now.
+    pub(super) fn carry_pose(&self, placement: &Pose, rest: &Pose) -> Pose {
+        Pose::from_parts(self.position.coords.into(), self.rotation) * placement.inverse() * rest
+    }
+}
+
 /// How a body turns in this tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Turn {

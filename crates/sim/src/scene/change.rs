@@ -167,7 +167,9 @@ fn pinned(scene: &Scene) -> Result<SceneSpec, SceneError> {
             let coarse = body.surface.surface(&at);
             drop(at);
             let coarse = door.close(coarse)?;
-            let fine = scene.rest_surface(b);
+            let Some(fine) = scene.rest_surface(b) else {
+                continue;
+            };
             let [u, v] = [
                 (coarse.knots_u(), fine.knots_u()),
                 (coarse.knots_v(), fine.knots_v()),
@@ -204,6 +206,8 @@ fn inline(surface: &Surface) -> Result<SurfaceSpec, SceneError> {
         size: None,
         file: None,
         index: None,
+        part: None,
+        instance: None,
         unit: None,
         inline: Some(document),
     })
@@ -251,14 +255,20 @@ fn renamed(contacts: &[ContactSpec], parts: &[&str], id: &str) -> Vec<ContactSpe
 }
 
 impl Scene {
-    /// The surface of a body as it stands, m, in the world; `points` are its control points.
+    /// The surface of a body as it stands, m, in the world; `points` are its control points. `None` of a part.
     ///
     /// # Errors
     /// Not as many points as the body has, or one that no surface can have.
-    pub fn surface_with(&self, body: usize, points: &[Point3]) -> Result<Surface, SurfaceError> {
-        let mut surface = self.rest_surface(body).clone();
+    pub fn surface_with(
+        &self,
+        body: usize,
+        points: &[Point3],
+    ) -> Result<Option<Surface>, SurfaceError> {
+        let Some(mut surface) = self.rest_surface(body).cloned() else {
+            return Ok(None);
+        };
         let (rows, columns) = (surface.net().rows(), surface.net().columns());
         *surface.net_mut() = ControlNet::new(rows, columns, points.to_vec())?;
-        Ok(surface)
+        Ok(Some(surface))
     }
 }

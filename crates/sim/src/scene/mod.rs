@@ -38,6 +38,7 @@ use crate::body::Deformable;
 use crate::haptics::{DeviceBounds, DeviceFigures, StiffnessLimits};
 use crate::solve::rows::{Holder, most_rows};
 use palpate_geometry::contact::ToolShape;
+use palpate_geometry::skin::Skin;
 use palpate_geometry::surface::{Mesh, Surface};
 use spec::{Clock, SceneSpec};
 
@@ -173,17 +174,25 @@ impl Scene {
 
     /// Bodies whose nets are in pieces, by id: rows and columns after which they begin anew.
     pub fn net_gaps(&self) -> Vec<(String, [Vec<usize>; 2])> {
-        let gaps = |body: &Body| {
-            [body.surface.knots_u(), body.surface.knots_v()].map(|knots| knots.parted_after())
+        let gaps = |body: &Body| match &body.skin {
+            Skin::Surface(surface) => {
+                [surface.knots_u(), surface.knots_v()].map(|knots| knots.parted_after())
+            }
+            Skin::Part(_) => [Vec::new(), Vec::new()],
         };
         let all = self.bodies.iter().map(|body| (body.id.clone(), gaps(body)));
         all.filter(|(_, gaps)| gaps.iter().any(|gaps| !gaps.is_empty()))
             .collect()
     }
 
-    /// The surface of a body at rest, refined as simulated and published (world frame).
-    pub fn rest_surface(&self, body: usize) -> &Surface {
-        &self.bodies[body].surface
+    /// The surface of a body at rest, refined as simulated and published (world frame); `None` of a part.
+    pub fn rest_surface(&self, body: usize) -> Option<&Surface> {
+        self.bodies[body].skin.surface()
+    }
+
+    /// What is touched of a body, at rest (world frame).
+    pub fn skin(&self, body: usize) -> &Skin {
+        &self.bodies[body].skin
     }
 
     /// True when the body's net can change.

@@ -135,6 +135,7 @@ pub(super) fn build(
         }
     }
     let before = top.problem_count();
+    let mut chosen = Vec::new();
     for (c, contact) in spec.contacts.iter().enumerate() {
         let [holder_id, body_id] = &contact.pair;
         let find = |id: &str| bodies.iter().position(|body| body.id == id);
@@ -194,15 +195,27 @@ pub(super) fn build(
                 let resolution = contact.resolution.unwrap_or(SPHERES_RESOLUTION);
                 for pair in pairs.iter_mut().filter(|pair| named(pair)) {
                     pair.method = Method::Spheres(resolution);
-                    let surface = &bodies[pair.body].surface;
-                    if let Err(error) =
-                        dispatch::check(surface, pair.party(tools, bodies), pair.method)
-                    {
-                        let at = top.key("contact").entry(c).key("method");
-                        at.refuse(error.to_string());
-                    }
+                    chosen.push((pair.holder, pair.body, c));
                 }
             }
+        }
+    }
+    for pair in &pairs {
+        let party = pair.party(tools, bodies);
+        let Err(error) = dispatch::check(&bodies[pair.body].skin, party, pair.method) else {
+            continue;
+        };
+        let of_pair = |named: &&(Holder, usize, usize)| (named.0, named.1) == (pair.holder, pair.body);
+        match chosen.iter().rev().find(of_pair) {
+            Some((_, _, c)) => top.key("contact").entry(*c).key("method").refuse(error),
+            None => top.key("contact").refuse(format!(
+                "{:?} and {:?}: {error}",
+                match pair.holder {
+                    Holder::Tool(tool) => &tools[tool as usize].id,
+                    Holder::Body(other) => &bodies[other as usize].id,
+                },
+                bodies[pair.body].id
+            )),
         }
     }
     (top.problem_count() == before).then_some(pairs)

@@ -11,7 +11,8 @@ use palpate_geometry::basis::KnotVector;
 use palpate_geometry::contact::dispatch::{Method, Party};
 use palpate_geometry::contact::{ContactSamples, ToolShape};
 use palpate_geometry::math::{Point3, Rotation};
-use palpate_geometry::surface::{MergedKnots, Surface};
+use palpate_geometry::skin::Skin;
+use palpate_geometry::surface::Surface;
 
 /// Below so many knot spans a direction of a surface is coarse.
 const COARSE_SPANS: usize = 8;
@@ -29,15 +30,15 @@ pub(crate) struct FrameOf {
 pub(crate) struct Body {
     pub id: String,
     /// Refined, in the world, at rest.
-    pub surface: Surface,
-    /// Net before refinement: rows, columns.
+    pub skin: Skin,
+    /// Net before refinement: rows, columns; none of a part.
     pub original_net: [usize; 2],
     /// Diagonal of the net's box, m: what tolerances refer to.
     pub size_m: f64,
     /// Open sheets can be touched from both sides.
     pub two_sided: bool,
-    /// Knots of its file that differed in their last digits.
-    pub merged_knots: Vec<MergedKnots>,
+    /// What was taken otherwise than its file says.
+    pub notes: Vec<String>,
     pub model: BodyModel,
     /// What moves it, when it is rigid and not fixed.
     pub mover: Option<Mover>,
@@ -152,7 +153,7 @@ impl Pair {
         match self.holder {
             Holder::Tool(tool) => Party::Tool(&tools[tool as usize].shape),
             Holder::Body(other) if other as usize == self.body => Party::Itself,
-            Holder::Body(other) => Party::Body(&bodies[other as usize].surface),
+            Holder::Body(other) => Party::Body(&bodies[other as usize].skin),
         }
     }
 }

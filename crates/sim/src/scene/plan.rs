@@ -261,7 +261,7 @@ impl Scene {
             return true;
         }
         let bounds = |body: usize| {
-            let points = self.bodies[body].surface.net().points();
+            let points = self.bodies[body].skin.points();
             let first = (points[0], points[0]);
             (points.iter()).fold(first, |(low, high), p| (low.inf(p), high.sup(p)))
         };
@@ -361,7 +361,7 @@ impl Scene {
 }
 
 fn body_plan(body: &super::Body, dt_s: f64) -> BodyPlan {
-    let simulated_net = [body.surface.net().rows(), body.surface.net().columns()];
+    let simulated_net = (body.skin.surface()).map_or([0; 2], |surface| [surface.net().rows(), surface.net().columns()]);
     let (model, deformable) = match &body.model {
         BodyModel::Rigid => ("rigid", None),
         BodyModel::Deforming(model) => {

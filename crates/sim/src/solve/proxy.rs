@@ -180,8 +180,8 @@ impl BallContact<'_> {
 
     /// The foot that the last one leads to.
     fn local(&self, query: &Point3, state: &ProxyState) -> Option<ClosestPoint> {
-        let (solver, surface) = (&self.sided.solver, self.sided.surface);
-        solver.local(surface, query, state.foot.u, state.foot.v)
+        let Sided { solver, skin, .. } = &self.sided;
+        solver.local(skin, query, state.foot.u, state.foot.v)
     }
 
     /// The foot of the centre on the branch it stands on; the global one where that branch ends.

@@ -14,9 +14,9 @@
 //! another sheet passes the point while the foot stays where it was is not noticed.
 
 use super::proxy::ProxyState;
-use palpate_geometry::basis::KnotVector;
 use palpate_geometry::math::Point3;
-use palpate_geometry::surface::{ClosestPoint, ClosestSolver, Surface};
+use palpate_geometry::skin::{Skin, SkinSolver};
+use palpate_geometry::surface::ClosestPoint;
 
 /// Nearer than this, relative to the surface's size, a point is on the surface: far above rounding
 /// (1e-16), far below what a hand feels.
@@ -25,13 +25,13 @@ pub(super) const TOUCH: f64 = 1e-9;
 /// cosine of 1.4e-3 rad, far above what Newton's method leaves over.
 const STRAIGHT: f64 = 1.0 - 1e-6;
 
-/// A surface as it stands, for points that keep their side of it.
+/// A body as it stands, for points that keep their side of it.
 #[derive(Debug)]
 pub struct Sided<'a> {
-    /// The surface now.
-    pub surface: &'a Surface,
+    /// As it stands.
+    pub skin: &'a Skin,
     /// Its solver.
-    pub solver: &'a mut ClosestSolver,
+    pub solver: &'a mut SkinSolver,
     /// Length the tolerances refer to, m.
     pub size_m: f64,
     /// An open surface can be touched from both sides; a closed one only from outside.
@@ -65,8 +65,7 @@ impl Sided<'_> {
         let other = side(state) * foot.signed_distance < 0.0;
         let passed = state.clear_m == 0.0 || went_m >= state.clear_m.max(distance_m);
         if state.known && other && passed {
-            let (surface, solver) = (self.surface, &self.solver);
-            let own = solver.local(surface, point, before.u, before.v);
+            let own = self.solver.local(self.skin, point, before.u, before.v);
             let own = own.unwrap_or(foot);
             if !self.is_beside(&own, point) {
                 state.clear_m = 0.0;
@@ -98,25 +97,13 @@ impl Sided<'_> {
 
     /// The foot is on the rim of an open surface, and the point is past it, neither above nor below.
     pub fn is_beside(&self, foot: &ClosestPoint, point: &Point3) -> bool {
-        // Where two rims lie upon each other the surface goes on.
-        let at_end = |knots: &KnotVector, t: f64, other: &dyn Fn(f64) -> Point3| {
-            let (start, end) = knots.domain();
-            let opposite = if t <= start { end } else { start };
-            !knots.is_periodic()
-                && (t <= start || t >= end)
-                && (other(opposite) - foot.point).norm() > TOUCH * self.size_m
-        };
         let way = point - foot.point;
         let along = way.dot(&foot.normal);
         let aside = (way - foot.normal * along).norm();
         self.two_sided
             && aside > 10.0 * TOUCH * self.size_m
             && along.abs() < STRAIGHT * foot.distance
-            && (at_end(self.surface.knots_u(), foot.u, &|u| {
-                self.surface.point(u, foot.v)
-            }) || at_end(self.surface.knots_v(), foot.v, &|v| {
-                self.surface.point(foot.u, v)
-            }))
+            && self.skin.ends_at(foot, TOUCH * self.size_m)
     }
 
     /// The certified closest point. `moved_m`: how far any control point moved since the last look.
@@ -129,7 +116,7 @@ impl Sided<'_> {
         let went_m = (query - state.queried).norm();
         state.queried = *query;
         self.solver
-            .closest_warm_moved(self.surface, query, went_m, moved_m, &mut state.foot)
+            .closest_warm_moved(self.skin, query, went_m, moved_m, &mut state.foot)
     }
 }
 

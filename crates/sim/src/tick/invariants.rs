@@ -37,7 +37,7 @@ pub(super) fn of_motion(scene: &Scene, tools: &[ToolScratch], bodies: &[BodyScra
     debug_assert_eq!(bodies.len(), scene.bodies.len(), "buffers of bodies");
     for (body, parts) in scene.bodies.iter().zip(bodies) {
         let (low, high) = &parts.bounds;
-        let points = || parts.surface.net().points().iter();
+        let points = || parts.skin.points().iter();
         let below = |a: &Point3, b: &Point3| (0..3).all(|axis| at_most(a[axis], b[axis]));
         debug_assert!(at_least(parts.step.most_m, 0.0), "a way is no length");
         debug_assert!(below(low, high), "a box is turned inside out");
@@ -80,7 +80,7 @@ pub(super) fn of_rows(scene: &Scene, tools: &[ToolState], rows: &RowSet) {
         debug_assert!(at_least(row.counts_m, 0.0), "a row that counts as outside");
         let weights = |body: &Body, range: Range| {
             let (controls, weights) = rows.weights_in(range);
-            let net = body.surface.net().points().len();
+            let net = body.skin.points().len();
             debug_assert_eq!(controls.is_empty(), !body.is_soft(), "rigid has no weights");
             debug_assert!(
                 controls.iter().all(|&c| (c as usize) < net),

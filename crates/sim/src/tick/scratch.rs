@@ -18,7 +18,8 @@ use crate::solve::rows::{MAX_ROWS_PER_PAIR, RowSet, SampleInTouch};
 use crate::solve::solver::Solver;
 use palpate_geometry::contact::dispatch::Narrow;
 use palpate_geometry::contact::spheres::Counters;
-use palpate_geometry::surface::{ClosestSolver, Surface};
+use palpate_geometry::skin::SkinSolver;
+use palpate_geometry::surface::Surface;
 
 /// Buffers of a step; nothing in it outlives a tick except what can be computed anew from the
 /// state.
@@ -59,7 +60,7 @@ impl Scratch {
     /// was not certified.
     pub fn pieces_given_up(&self) -> u64 {
         let solvers = self.bodies.iter().map(|body| &body.solver);
-        solvers.map(ClosestSolver::pieces_given_up).sum()
+        solvers.map(SkinSolver::pieces_given_up).sum()
     }
 
     /// What the last queries of the `spheres` method did, by pair: holder, body, counters.
@@ -81,7 +82,7 @@ impl Scratch {
 impl Scene {
     fn narrow(&self, pair: &Pair) -> Narrow {
         let party = pair.party(&self.tools, &self.bodies);
-        let mut narrow = Narrow::new(&self.bodies[pair.body].surface, party, pair.method)
+        let mut narrow = Narrow::new(&self.bodies[pair.body].skin, party, pair.method)
             .unwrap_or_else(|e| unreachable!("the scene was built with a pair that has none: {e}"));
         if bounce::are_rigid(self, pair.body, pair.holder) {
             narrow.spread();
@@ -97,13 +98,13 @@ impl Scene {
         let width = self
             .bodies
             .iter()
-            .map(|body| width_of(&body.surface))
+            .filter_map(|body| body.skin.surface().map(width_of))
             .max()
             .unwrap_or(1);
         let surface = self
             .bodies
             .iter()
-            .map(|body| body.surface.net().points().len())
+            .map(|body| body.skin.points().len())
             .max()
             .unwrap_or(0);
         let frictional = self.pairs.iter().any(|pair| pair.friction.is_some());

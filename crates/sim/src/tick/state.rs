@@ -82,11 +82,11 @@ clone_in_place!(SceneState {
 });
 
 impl SceneState {
-    /// Net of a body now, u-major, m; `out` is as long as the net of [`Scene::rest_surface`].
+    /// Net of a body now, u-major, m; of a part, corners around it. `out` is as long as the points of [`Scene::skin`].
     pub fn copy_net(&self, scene: &Scene, body: usize, out: &mut [Point3]) {
         debug_assert_eq!(
             out.len(),
-            scene.rest_surface(body).net().points().len(),
+            scene.skin(body).points().len(),
             "a point a control"
         );
         scene.party(body).net(&self.bodies[body], out);

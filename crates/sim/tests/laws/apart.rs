@@ -15,7 +15,7 @@ pub fn spun(spin_rad_s: f64) -> String {
 }
 
 fn length_m(world: &World) -> f64 {
-    let mut net = world.scene.rest_surface(0).net().points().to_vec();
+    let mut net = world.scene.rest_surface(0).unwrap().net().points().to_vec();
     world.state.copy_net(&world.scene, 0, &mut net);
     let grown = |(low, high): (Point3, Point3), p: &Point3| (low.inf(p), high.sup(p));
     let (low, high) = net.iter().fold((net[0], net[0]), grown);

@@ -191,7 +191,7 @@ fn a_ring_that_is_held_all_around_holds_its_section() {
              fixed = [{{ u = [0.0, {u:?}], v = [0.0, 0.2] }}]\n\
              [[tool]]\nid = \"pen\"\nshape = {{ point = {{}} }}\npose = {{ position = [0.2, 0.0, 0.0] }}\n"
         ));
-        let surface = world.scene.rest_surface(0);
+        let surface = world.scene.rest_surface(0).unwrap();
         let rings = surface
             .knots_v()
             .greville()

@@ -40,7 +40,7 @@ fn middles(knots: &KnotVector, parts: usize) -> Vec<f64> {
 #[test]
 fn a_falling_ball_is_met_where_it_comes_to_touch() {
     let mut world = World::new(BALL);
-    let mut surface = world.scene.rest_surface(0).clone();
+    let mut surface = world.scene.rest_surface(0).unwrap().clone();
     let grids = [3, 9]
         .map(|parts| [surface.knots_u(), surface.knots_v()].map(|knots| middles(knots, parts)));
     let (mut deepest_m, mut shortened) = ([0.0_f64; 2], 0);

@@ -173,7 +173,7 @@ fn a_plane_on_two_hills_feels_the_moment_of_both() {
     );
     let mut world = World::new(&text);
     world.at([0.004, 0.0, 0.02]);
-    let surface = world.scene.rest_surface(0).clone();
+    let surface = world.scene.rest_surface(0).unwrap().clone();
     let top = (0..=400)
         .map(|k| surface.point(f64::from(k) / 400.0, 0.5).z)
         .fold(0.0, f64::max);

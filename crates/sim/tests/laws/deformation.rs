@@ -6,7 +6,7 @@ use palpate_geometry::surface::ClosestSolver;
 
 /// x of the ball's centre at first touch, coming along −x at the height and side of the table.
 fn first_touch(world: &World) -> f64 {
-    let surface = world.scene.rest_surface(0);
+    let surface = world.scene.rest_surface(0).unwrap();
     let mut solver = ClosestSolver::new(surface);
     let (mut low, mut high) = (0.02, 0.06);
     for _ in 0..60 {
@@ -95,7 +95,7 @@ fn pressing_the_teardrop_meets_the_reference_within_25_percent() {
     for k in 0..8_000 {
         world.at([touch + 2e-3 + 1e-5 * f64::from(k.min(1_000)), 0.003, 0.045]);
     }
-    let rest = world.scene.rest_surface(0).net().points().to_vec();
+    let rest = world.scene.rest_surface(0).unwrap().net().points().to_vec();
     let mut now = rest.clone();
     world.state.copy_net(&world.scene, 0, &mut now);
     let farthest = rest

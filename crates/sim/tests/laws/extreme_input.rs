@@ -138,7 +138,7 @@ fn not_finite(scene: &Scene) -> Option<String> {
             }
         }
         for body in 0..scene.body_count() {
-            let mut net = scene.rest_surface(body).net().points().to_vec();
+            let mut net = scene.rest_surface(body).unwrap().net().points().to_vec();
             state.copy_net(scene, body, &mut net);
             if net.iter().flat_map(|p| p.iter()).any(|x| !x.is_finite()) {
                 return Some(format!("tick {tick}, net of body {body}"));

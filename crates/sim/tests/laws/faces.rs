@@ -430,7 +430,7 @@ fn a_soft_puck_rests_on_a_slope_below_the_angle_of_friction_and_slides_above_it(
         let soft = soft_puck("p", 2e-5);
         let mut world = world(slope, &format!("{soft}{}", rub("p", "floor", mu)));
         let net = |world: &World| {
-            let mut points = world.scene.rest_surface(1).net().points().to_vec();
+            let mut points = world.scene.rest_surface(1).unwrap().net().points().to_vec();
             world.state.copy_net(&world.scene, 1, &mut points);
             points.iter().map(|p| p.x).sum::<f64>() / points.len() as f64
         };

@@ -84,7 +84,7 @@ fn a_thrown_body_flies_as_symplectic_euler_says() {
     let vz = 2.0 - G * steps * DT;
     assert!((now.velocity_m_s - Vector3::new(1.0, 0.0, vz)).norm() < 1e-12);
     // The net is where the motion says.
-    let rest = world.scene.rest_surface(0).net().points();
+    let rest = world.scene.rest_surface(0).unwrap().net().points();
     let mut net = rest.to_vec();
     world.state.copy_net(&world.scene, 0, &mut net);
     for (p, rest) in net.iter().zip(rest) {
@@ -105,7 +105,7 @@ fn a_tumbling_body_keeps_its_momenta_and_its_energy_and_flips() {
     ));
     let start = motion(&world, 0);
     let (mut worst, mut flips, mut up) = (0.0f64, 0, true);
-    let axis = world.scene.rest_surface(0).net().points().to_vec();
+    let axis = world.scene.rest_surface(0).unwrap().net().points().to_vec();
     let far = (0..axis.len())
         .max_by(|&a, &b| axis[a].y.total_cmp(&axis[b].y))
         .unwrap();
@@ -138,7 +138,7 @@ fn a_spinning_body_loses_nothing_of_its_spin() {
     let mut world = World::new(&format!(
         "{text}\n[[tool]]\nid = \"far\"\nshape = {{ point = {{}} }}\npose = {{ position = {FAR:?} }}\n"
     ));
-    let mark = world.scene.rest_surface(0).net().points()[40];
+    let mark = world.scene.rest_surface(0).unwrap().net().points()[40];
     run(&mut world, 1_000);
     let now = motion(&world, 0);
     assert!(
@@ -389,7 +389,7 @@ fn drop_a_stone(restitution: f64) {
 
 /// Height of the lowest point of a body's surface, m.
 fn lowest(world: &World, body: usize) -> f64 {
-    let mut surface = world.scene.rest_surface(body).clone();
+    let mut surface = world.scene.rest_surface(body).unwrap().clone();
     world
         .state
         .copy_net(&world.scene, body, surface.net_mut().points_mut());

@@ -50,7 +50,7 @@ fn a_grabbed_soft_body_is_pulled_out_and_springs_back_when_let_go() {
     );
     assert_ne!(touching.flags & flags::GRABBING, 0);
     let farthest = |world: &World| {
-        let mut net = world.scene.rest_surface(0).net().points().to_vec();
+        let mut net = world.scene.rest_surface(0).unwrap().net().points().to_vec();
         world.state.copy_net(&world.scene, 0, &mut net);
         net.iter().fold(f64::MIN, |most, p| most.max(p.x))
     };
@@ -104,7 +104,7 @@ fn a_grabbed_soft_body_is_pulled_out_and_springs_back_when_let_go() {
     }
     let rest = world
         .scene
-        .rest_surface(0)
+        .rest_surface(0).unwrap()
         .net()
         .points()
         .iter()
@@ -329,9 +329,9 @@ fn a_tool_that_grabs_between_the_first_samples_still_presses_there() {
                 last = Some(out.tools[0]);
             }
             let tool = last.unwrap();
-            let mut net = world.scene.rest_surface(0).net().points().to_vec();
+            let mut net = world.scene.rest_surface(0).unwrap().net().points().to_vec();
             world.state.copy_net(&world.scene, 0, &mut net);
-            let surface = world.scene.surface_with(0, &net).unwrap();
+            let surface = world.scene.surface_with(0, &net).unwrap().unwrap();
             let foot = ClosestSolver::new(&surface).closest(&surface, &tool.proxy_position);
             let sunk_m = radius - foot.signed_distance;
             (tool.force_n, sunk_m)

@@ -255,9 +255,9 @@ fn the_body_feels_the_opposite_of_what_the_hand_feels() {
 
 /// How far a ball of 10 mm goes into the body beyond what its net shows, m.
 fn dent_m(world: &World, proxy: &Point3) -> f64 {
-    let mut net = world.scene.rest_surface(0).net().points().to_vec();
+    let mut net = world.scene.rest_surface(0).unwrap().net().points().to_vec();
     world.state.copy_net(&world.scene, 0, &mut net);
-    let surface = world.scene.surface_with(0, &net).unwrap();
+    let surface = world.scene.surface_with(0, &net).unwrap().unwrap();
     0.01 - ClosestSolver::new(&surface)
         .closest(&surface, proxy)
         .signed_distance
@@ -364,7 +364,7 @@ fn the_force_has_no_step_over_seams_and_knots() {
                 }
             );
             let mut world = World::new(&text);
-            let surface = world.scene.rest_surface(0).clone();
+            let surface = world.scene.rest_surface(0).unwrap().clone();
             // Along a line of the surface, 1.5 mm deep, once round the ring.
             let v = 0.37;
             let place = |share: f64, depth: f64| -> [f64; 3] {

@@ -240,7 +240,7 @@ fn a_seam_with_a_gap_of_rounding_stays_closed_in_every_model() {
     ] {
         for gap_m in [1e-16, 1e-12, 3e-11] {
             let mut world = World::new(&text_ball(gap_m, model, lattice));
-            let surface = world.scene.rest_surface(0).clone();
+            let surface = world.scene.rest_surface(0).unwrap().clone();
             let (rows, columns) = (surface.net().rows(), surface.net().columns());
             for _ in 0..60 {
                 world.at([5.0, 5.0, 5.0]);

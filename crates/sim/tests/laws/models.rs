@@ -52,7 +52,7 @@ fn body(world: &World) -> &DeformableState {
 /// How far the middle of the slab's surface is below where it was. Control points move farther than
 /// the surface.
 fn dent_m(world: &World) -> f64 {
-    let mut surface = world.scene.rest_surface(0).clone();
+    let mut surface = world.scene.rest_surface(0).unwrap().clone();
     world
         .state
         .copy_net(&world.scene, 0, surface.net_mut().points_mut());

@@ -377,7 +377,7 @@ fn an_angular_impulse_turns_a_free_lattice_as_its_inertia_says() {
         let masses = drop.masses().to_vec();
         let (mut state, mut scratch) = (drop.rest_state(), drop.scratch());
         let dt = world.scene.dt_s;
-        let mut net: Vec<usize> = (0..world.scene.rest_surface(0).net().points().len())
+        let mut net: Vec<usize> = (0..world.scene.rest_surface(0).unwrap().net().points().len())
             .map(|control| drop.coordinate_of_control(control))
             .collect();
         net.sort_unstable();
@@ -593,7 +593,7 @@ fn largest_change(model: &str, refine: &str, direction: usize) -> f64 {
     let radius_m = 0.01;
     let shape = format!("{{ sphere = {{ radius_m = {radius_m:?} }} }}");
     let mut world = soft_drop(model, refine, &shape);
-    let surface = world.scene.rest_surface(0).clone();
+    let surface = world.scene.rest_surface(0).unwrap().clone();
     let start = ClosestSolver::new(&surface).closest(&surface, &Point3::new(0.024, 0.003, 0.045));
     let mut at = [start.u, start.v];
     let (mut last, mut worst) = (Vector3::zeros(), 0.0_f64);
@@ -756,7 +756,7 @@ shape = { sphere = { radius_m = 0.01 } }
 pose = { position = [0.06, 0.003, 0.045] }
 "#,
     );
-    let rest = world.scene.rest_surface(0).clone();
+    let rest = world.scene.rest_surface(0).unwrap().clone();
     let energy = |world: &World| {
         let constants = world.scene.deformable(0).unwrap();
         let moving = constants.masses().iter().zip(&body(world).velocities);

@@ -64,7 +64,7 @@ fn a_block_is_carried_up_by_its_plate() {
             .state
             .carried_point(&world.scene, 0, &Point3::origin())
             .z;
-        let mut surface = world.scene.rest_surface(1).clone();
+        let mut surface = world.scene.rest_surface(1).unwrap().clone();
         world
             .state
             .copy_net(&world.scene, 1, surface.net_mut().points_mut());

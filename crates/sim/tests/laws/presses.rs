@@ -10,7 +10,7 @@ const SIDE_M: [f64; 2] = [0.003, 0.045];
 
 /// Where a ball of 10 mm that comes along −x first touches the body, m.
 fn touch_m(world: &World) -> f64 {
-    let surface = world.scene.rest_surface(0);
+    let surface = world.scene.rest_surface(0).unwrap();
     let mut solver = ClosestSolver::new(surface);
     let (mut inside, mut outside) = (0.0, 0.1);
     for _ in 0..50 {

@@ -153,7 +153,7 @@ fn spans_are_even_on_the_surface() {
             [0.2, 0.0, 0.0],
         ))
         .unwrap();
-        let surface = scene.rest_surface(0);
+        let surface = scene.rest_surface(0).unwrap();
         let spans = |knots: &palpate_geometry::basis::KnotVector| -> Vec<[f64; 2]> {
             let t = knots.knots();
             knots.spans().map(|i| [t[i], t[i + 1]]).collect()

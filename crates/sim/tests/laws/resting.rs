@@ -65,7 +65,7 @@ fn come_to_rest(world: &mut World) {
 }
 
 fn net(world: &World) -> Vec<palpate_geometry::math::Point3> {
-    let mut net = world.scene.rest_surface(1).net().points().to_vec();
+    let mut net = world.scene.rest_surface(1).unwrap().net().points().to_vec();
     world.state.copy_net(&world.scene, 1, &mut net);
     net
 }

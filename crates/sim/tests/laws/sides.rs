@@ -271,7 +271,7 @@ fn a_tool_that_is_pushed_over_the_rim_comes_free() {
 /// goes down onto the sheet at a speed and stays for 0.3 s and as long as it takes.
 fn plunge(text: &str, depth_m: f64, speed_m_s: f64) -> (f64, f64) {
     let mut world = World::new(text);
-    let mut now = world.scene.rest_surface(0).clone();
+    let mut now = world.scene.rest_surface(0).unwrap().clone();
     let mut solver = ClosestSolver::new(&now);
     let (way, mut behind_m, mut end_n) = (0.02 + depth_m, 0.0_f64, 0.0);
     let ticks = (way / (speed_m_s * 1e-3)).ceil() as usize;
@@ -371,7 +371,7 @@ fn a_free_ball_crushed_on_an_open_sheet_stays_there() {
     for layers in [2, 4] {
         for speed in [0.02, 0.2] {
             let mut world = World::new(&pressed_ball(layers));
-            let mut now = world.scene.rest_surface(1).clone();
+            let mut now = world.scene.rest_surface(1).unwrap().clone();
             let (top, down) = (0.022, 0.015);
             let ticks = (down / (speed * 1e-3)) as usize;
             for k in 0..ticks + 300 {
@@ -499,7 +499,7 @@ fn a_soft_ball_that_falls_past_the_edge_of_a_sheet_gains_nothing() {
             };
             let at = [0.05 + 0.02 - over_m, along_m, 0.0202];
             let mut world = World::new(&ball_above_a_sheet(model, at));
-            let mut net = vec![Point3::origin(); world.scene.rest_surface(1).net().points().len()];
+            let mut net = vec![Point3::origin(); world.scene.rest_surface(1).unwrap().net().points().len()];
             let mut last = world.centre(1, &mut net);
             let start = last;
             for k in 0..250 {

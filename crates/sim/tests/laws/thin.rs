@@ -168,7 +168,7 @@ fn sag(thin: &Thin) -> f64 {
     let radius = held
         .map(|k| rest[k].coords.xy().norm())
         .fold(f64::INFINITY, f64::min);
-    let profile = upper(world.scene.rest_surface(0));
+    let profile = upper(world.scene.rest_surface(0).unwrap());
     let thickness = |r: f64| {
         let k = profile.partition_point(|p| p[0] <= r);
         let k = k.clamp(1, profile.len() - 1);
@@ -274,7 +274,7 @@ fn thickness(world: &World) -> f64 {
     let solid = world.scene.deformable(0).unwrap();
     let now = &world.state.bodies[0].deformable.as_ref().unwrap().positions;
     let rest = solid.rest_state().positions;
-    let last = world.scene.rest_surface(0).net().columns() - 1;
+    let last = world.scene.rest_surface(0).unwrap().net().columns() - 1;
     let [a, b] = [0, last].map(|k| solid.coordinate_of_control(k));
     (now[a] - now[b]).norm() / (rest[a] - rest[b]).norm()
 }

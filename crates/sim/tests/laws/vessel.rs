@@ -32,7 +32,7 @@ fn ball() -> String {
 }
 
 fn rest(world: &World) -> Surface {
-    world.scene.rest_surface(0).clone()
+    world.scene.rest_surface(0).unwrap().clone()
 }
 
 /// The surface as it is.
@@ -151,7 +151,7 @@ fn the_scene_loads_and_its_pen_is_pushed_back() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/vessel.toml");
     let loaded = file::load(&path).unwrap();
     let scene = Scene::build(&loaded.spec, path.parent().unwrap()).unwrap();
-    let surface = scene.rest_surface(0);
+    let surface = scene.rest_surface(0).unwrap();
     assert!(
         joints_hold(surface) < 1e-4,
         "{} degrees at rest",

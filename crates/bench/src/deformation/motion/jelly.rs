@@ -156,7 +156,7 @@ fn fallen(setting: Setting) -> Result<(Fall, Vec<f64>), String> {
         follower.look(world.body()?.1);
     }
     let (body, state) = world.body()?;
-    let surface = surface_of(world.scene.rest_surface(0), body, state);
+    let surface = surface_of(world.scene.rest_surface(0).expect("a surface"), body, state);
     Ok((follower.fall(body, state, &surface), world.ticks_s))
 }
 

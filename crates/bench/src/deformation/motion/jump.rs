@@ -40,7 +40,7 @@ fn at(world: &mut World, x: f64) -> f64 {
 
 fn jumped(case: &str, drop: Drop) -> Result<Row, String> {
     let mut world = World::new(&drop.text())?;
-    let touch_m = first_touch(world.scene.rest_surface(0));
+    let touch_m = first_touch(world.scene.rest_surface(0).expect("a surface"));
     for _ in 0..BEFORE {
         at(&mut world, touch_m + BEFORE_M);
     }

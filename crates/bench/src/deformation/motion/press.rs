@@ -144,7 +144,7 @@ fn end(forces: &[f64], exact: &[f64]) -> Option<f64> {
 
 /// Places of the ball's centre along x, m, tick by tick.
 fn way(world: &World, case: &Case) -> Vec<f64> {
-    let touch = first_touch(world.scene.rest_surface(0));
+    let touch = first_touch(world.scene.rest_surface(0).expect("a surface"));
     // Half a millimetre of approach, so that the device has been seen before it touches.
     let (from, to) = (touch + 0.5e-3, touch - case.press.depth_m);
     let speed_m_s = case.speed_m_s();

@@ -44,7 +44,7 @@ impl Touching<'_> {
         (exact.damping_s, exact.gravity) = (self.damping_s, self.gravity);
         let skin = Skin::new(
             &exact,
-            self.world.scene.rest_surface(0),
+            self.world.scene.rest_surface(0).expect("a surface"),
             self.counts,
             within,
         )?;

@@ -187,7 +187,7 @@ fn measured(
     let (body, _) = other.body()?;
     let mut exact = ExactStep::new(body);
     exact.damping_s = DAMPING_S;
-    let places = way.places(first_touch(world.scene.rest_surface(0)));
+    let places = way.places(first_touch(world.scene.rest_surface(0).expect("a surface")));
     let every = places.len().div_ceil(compared).max(1);
     let mut forces = Vec::new();
     let mut unsolved = 0;

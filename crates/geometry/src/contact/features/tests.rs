@@ -1,12 +1,12 @@
 //! Closed forms: tools on a flat sheet and in a ball.
 
 use super::*;
-use crate::contact::dispatch::{Method, Narrow, Party};
+use crate::contact::dispatch::{Method, Narrow, Party, SkinSide};
 use crate::contact::implicit::ImplicitShape;
 use crate::contact::mesh::MeshTool;
-use crate::contact::pair::PairSide;
 use crate::contact::{Contact, Reach, ToolPoint, ToolShape};
 use crate::math::{Pose, Random, Rotation, Vector3, rotation_by};
+use crate::skin::{Skin, SkinSolver};
 use crate::surface::{ClosestSolver, Surface, builtin};
 
 const MARGIN_M: f64 = 1e-5;
@@ -19,15 +19,16 @@ fn solid(shape: &ImplicitShape) -> ToolShape {
 }
 
 fn contacts(surface: &Surface, shape: &ToolShape, pose: &Pose) -> Vec<Contact> {
-    let mut solver = ClosestSolver::new(surface);
-    let mut narrow = Narrow::new(surface, Party::Tool(shape), Method::Exact).unwrap();
+    let skin = &Skin::from(surface.clone());
+    let mut solver = SkinSolver::new(skin);
+    let mut narrow = Narrow::new(skin, Party::Tool(shape), Method::Exact).unwrap();
     let solver = &mut solver;
     let reach = Reach {
         margin_m: MARGIN_M,
         below: false,
         closing_m: 0.0,
     };
-    narrow.contacts(shape, pose, PairSide { surface, solver }, reach);
+    narrow.contacts(shape, pose, SkinSide { skin, solver }, reach);
     narrow.set.contacts().to_vec()
 }
 

@@ -7,6 +7,7 @@ use crate::scene::model::material_of;
 use crate::scene::spec::ModelSpec;
 use crate::scene::{BodyModel, Scene};
 use crate::solve::rows::Holder;
+use palpate_geometry::surface::Surface;
 use std::f64::consts::PI;
 
 /// Poisson's ratio up to which single precision holds the step: at 0.4999 a press at 200 mm/s is off by 10 % of its peak
@@ -43,8 +44,8 @@ fn loaded_surfaces(scene: &Scene, found: &mut Found) {
                 format!("body {}: {what}", body.id),
             );
         };
-        (body.merged_knots.iter()).for_each(|merged| say(merged.to_string()));
-        for slit in body.surface.slits() {
+        body.notes.iter().for_each(|note| say(note.clone()));
+        for slit in body.skin.surface().into_iter().flat_map(Surface::slits) {
             say(format!(
                 "{slit}, and opens further where the body is pulled: make its control points equal, unless a slit is meant"
             ));

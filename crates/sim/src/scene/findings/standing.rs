@@ -7,7 +7,7 @@ use crate::scene::{BodyModel, Scene};
 use crate::solve::rows::Holder;
 use palpate_geometry::contact::ToolShape;
 use palpate_geometry::math::{Point3, Vector3};
-use palpate_geometry::surface::ClosestSolver;
+use palpate_geometry::skin::SkinSolver;
 
 /// How far from a body a tool is told to start, relative to the size of the body.
 const CLEARANCE: f64 = 0.02;
@@ -60,7 +60,7 @@ fn starting_inside(scene: &Scene, found: &mut Found) {
             continue;
         }
         let at = tool.start.0;
-        let foot = ClosestSolver::new(&body.surface).closest(&body.surface, &at);
+        let foot = SkinSolver::new(&body.skin).closest(&body.skin, &at);
         let depth_m = tool.shape.ball_radius_m().unwrap_or(0.0) - foot.signed_distance;
         if depth_m > 0.0 {
             let [x, y, z] = (at + foot.normal * (depth_m + CLEARANCE * body.size_m)).into();

@@ -6,7 +6,7 @@ use crate::scene::Scene;
 use crate::scene::spec::{FrictionSpec, RefineSpec, SceneSpec};
 use palpate_geometry::contact::ToolShape;
 use palpate_geometry::math::{Point3, Vector3};
-use palpate_geometry::surface::ClosestSolver;
+use palpate_geometry::skin::SkinSolver;
 
 /// What a quantity is in use.
 struct Usual {
@@ -247,7 +247,7 @@ fn far(scene: &Scene, t: usize, largest_m: f64, found: &mut Found) {
         return;
     }
     let away = scene.bodies.iter().map(|body| {
-        let points = body.surface.net().points();
+        let points = body.skin.points();
         let away = points.iter().map(|p| (p - tool.start.0).norm());
         away.fold(f64::INFINITY, f64::min)
     });
@@ -271,9 +271,9 @@ fn focuses(scene: &Scene, found: &mut Found) {
             continue;
         };
         let placed = scene.placement(b);
-        let mut solver = ClosestSolver::new(&body.surface);
+        let mut solver = SkinSolver::new(&body.skin);
         for (k, point) in focus.iter().enumerate() {
-            let foot = solver.closest(&body.surface, &(placed * Point3::from(*point)));
+            let foot = solver.closest(&body.skin, &(placed * Point3::from(*point)));
             if foot.distance > FOCUS * body.size_m {
                 found.unusual(
                     format!("body[{b}].lattice.refine.focus[{k}]"),

@@ -12,6 +12,7 @@ mod lattice;
 mod membrane;
 mod names;
 mod net;
+mod part;
 mod rigid;
 mod values;
 
@@ -21,10 +22,13 @@ pub(super) use values::material_of;
 use super::door::At;
 use super::parts::{Body, BodyModel, Tool};
 use super::spec::{BodySpec, SceneSpec};
+use super::surface::Named;
 use super::{free, mover};
 use crate::body::{Deformable, DeformableError, Material, StepSettings};
 use palpate_geometry::math::Pose;
+use palpate_geometry::skin::{PlacedPart, Skin};
 use palpate_geometry::surface::{Loaded, Surface};
+use std::sync::Arc;
 use values::{Held, Values};
 
 /// What the rest of the program asks of a model.
@@ -93,11 +97,27 @@ pub(super) fn build(
         true => Some(None),
         false => mover::build(scene, spec, &placement, at),
     };
-    let Loaded { surface, merged } = loaded?;
+    let Values { material, held } = values?;
+    let Loaded { surface, merged } = match loaded? {
+        Named::Surface(loaded) => loaded,
+        Named::Part(part, notes) => {
+            let mover = moved?;
+            part::check(spec, at, &part)?;
+            return Some(Body {
+                id: spec.id.clone(),
+                original_net: [0; 2],
+                size_m: part.size_m(),
+                two_sided: !part.is_closed(),
+                skin: Skin::Part(PlacedPart::new(Arc::from(part), placement)),
+                notes,
+                model: BodyModel::Rigid,
+                mover,
+            });
+        }
+    };
     let original = surface.oriented_outward().placed(&placement);
     // What is one place moves together, so it starts equal bit for bit.
     let original = (at.key("pose").key("position").take(original)?).with_exact_seams();
-    let Values { material, held } = values?;
     let mover = match spec.free {
         true => free::build(scene, spec, &original, material.density_kg_m3, at).map(Some),
         false => moved,
@@ -123,11 +143,11 @@ pub(super) fn build(
     }
     Some(Body {
         id: spec.id.clone(),
-        surface,
+        skin: Skin::Surface(surface),
         original_net,
         size_m,
         two_sided,
-        merged_knots: merged,
+        notes: merged.iter().map(ToString::to_string).collect(),
         model,
         mover: mover?,
     })

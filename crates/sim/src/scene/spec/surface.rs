@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
 /// `surface = { builtin = "teardrop", net = [8, 8] }`, `{ file = "organ.step" }` or `{ inline = {…} }`: exactly
-/// one of the three.
+/// one of the three. A STEP file with more than one whole B-spline is a part, for rigid bodies.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -30,10 +30,16 @@ pub struct SurfaceSpec {
     /// Which surface of a STEP or IGES file with several, from 0.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub index: Option<usize>,
+    /// Name or number of a product of a STEP file of which only a part is meant.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub part: Option<String>,
+    /// Which of the places where a STEP file puts it, from 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub instance: Option<usize>,
     /// Length unit of a mesh file, which needs it; glTF is always in metres.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub unit: Option<MeshUnit>,
-    /// A `palpate.surface.v1` document in place.
+    /// A `palpate.surface.v1` document in place, or `{ step = "…" }`, the text of a STEP file.
     #[serde(default)]
     pub inline: Option<serde_json::Value>,
 }
