@@ -125,8 +125,8 @@ fn beside_finer(loaded: &Loaded, scene: &Scene) -> anyhow::Result<Vec<RestForce>
         let Some(deformable) = scene.deformable(b) else {
             continue;
         };
-        let net = scene.rest_surface(b).net();
-        let counts = [net.rows(), net.columns()].map(|count| count + count.div_ceil(2));
+        let (_, counts) = scene.net_size(b);
+        let counts = counts.map(|count| count + count.div_ceil(2));
         body.lattice.refine = RefineSpec::Counts(counts);
         if !deformable.cells().is_empty() {
             body.lattice.layers = Some(body.layers() + 1);

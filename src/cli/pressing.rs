@@ -1,7 +1,7 @@
 //! Tools that press the bodies nearest to them, in process: for figures of ticks in contact.
 
 use palpate_geometry::math::{Point3, Rotation, Vector3};
-use palpate_geometry::surface::ClosestSolver;
+use palpate_geometry::skin::SkinSolver;
 use palpate_sim::haptics::DevicePose;
 use palpate_sim::scene::Scene;
 use palpate_sim::tick::record::{TickInput, TickOutput};
@@ -44,9 +44,9 @@ impl Pressing {
             let nearest = (0..scene.body_count())
                 .filter(|_| !carries)
                 .map(|body| {
-                    let surface = scene.rest_surface(body);
-                    let foot = ClosestSolver::new(surface).closest(surface, &at);
-                    (foot, surface.size())
+                    let skin = scene.skin(body);
+                    let foot = SkinSolver::new(skin).closest(skin, &at);
+                    (foot, skin.size_m())
                 })
                 .min_by(|(a, _), (b, _)| a.signed_distance.total_cmp(&b.signed_distance));
             let stride = nearest.map_or_else(Vector3::zeros, |(foot, size_m)| {

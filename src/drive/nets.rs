@@ -40,7 +40,7 @@ impl NetPool {
     /// Frames for `in_use` readers' frames a body at once, and one to fill.
     pub fn new(scene: &Scene, in_use: usize) -> Self {
         let frames = |body: usize| {
-            let points = scene.rest_surface(body).net().points();
+            let points = scene.skin(body).points();
             // One more is the pool's own: that of the present tick.
             let count = if scene.moves(body) { in_use + 2 } else { 0 };
             let make = || NetFrame {

@@ -102,9 +102,16 @@ fn carry_out(job: &EditJob, changes: &SceneChanges) -> Result<EditNews, String> 
         .bodies
         .iter()
         .zip(nets)
-        .map(|(&body, points)| scene.surface_with(body, points))
-        .collect::<Result<_, _>>()
-        .map_err(|e| e.to_string())?;
+        .map(|(&body, points)| {
+            let surface = scene.surface_with(body, points).map_err(|e| e.to_string())?;
+            surface.ok_or_else(|| {
+                format!(
+                    "{:?} is a part, which has no net to change; name bodies that are B-spline surfaces",
+                    scene.body_id(body)
+                )
+            })
+        })
+        .collect::<Result<_, _>>()?;
     let Edited {
         change,
         what,

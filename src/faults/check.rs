@@ -38,7 +38,7 @@ impl LoopCheck {
     pub fn new(scene: &Scene) -> Self {
         let device = &scene.spec.tools[0].device;
         let ticks = |seconds: f64| (seconds / scene.dt_s).ceil() as u64;
-        let all = (0..scene.body_count()).flat_map(|body| scene.rest_surface(body).net().points());
+        let all = (0..scene.body_count()).flat_map(|body| scene.skin(body).points());
         let (mut low, mut high) = (
             all.clone().next().copied().unwrap_or_default(),
             Point3::origin(),
@@ -109,7 +109,7 @@ impl LoopCheck {
 
     fn points(&mut self, scene: &Scene, state: &SceneState) -> Result<(), String> {
         for body in 0..scene.body_count() {
-            let rest = scene.rest_surface(body).net().points();
+            let rest = scene.skin(body).points();
             self.points.clear();
             self.points.extend_from_slice(rest);
             state.copy_net(scene, body, &mut self.points);

@@ -80,14 +80,9 @@ pub(super) fn head_of(session: &Session, scene: Option<&Scene>, origin: (&str, &
         .into_iter()
         .enumerate()
         .map(|(b, id)| {
-            let surface = scene
-                .filter(|scene| b < scene.body_count())
-                .map(|scene| scene.rest_surface(b));
-            BodyHead {
-                id,
-                degree: surface.map_or([0; 2], |s| [s.knots_u().degree(), s.knots_v().degree()]),
-                count: surface.map_or([0; 2], |s| [s.net().rows(), s.net().columns()]),
-            }
+            let known = scene.filter(|scene| b < scene.body_count());
+            let (degree, count) = known.map_or_else(Default::default, |scene| scene.net_size(b));
+            BodyHead { id, degree, count }
         });
     let mut extra = header.run.clone();
     let name = (origin.1.file_name().unwrap_or_default()).to_string_lossy();

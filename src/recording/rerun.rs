@@ -76,7 +76,7 @@ impl Rerun {
 
     /// Copies the net of a body as it is now; `points` is made to fit.
     pub fn copy_net(&self, body: usize, points: &mut Vec<Point3>) {
-        let count = self.scene.rest_surface(body).net().points().len();
+        let count = self.scene.skin(body).points().len();
         points.resize(count, Point3::origin());
         self.state.copy_net(&self.scene, body, points);
     }

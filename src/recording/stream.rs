@@ -113,11 +113,11 @@ impl TickStream {
         gauges: Arc<JournalGauges>,
     ) -> Self {
         let bodies = (0..scene.body_count()).map(|body| {
-            let surface = scene.rest_surface(body);
+            let (degree, count) = scene.net_size(body);
             BodyHead {
                 id: scene.body_id(body).to_owned(),
-                degree: [surface.knots_u().degree(), surface.knots_v().degree()],
-                count: [surface.net().rows(), surface.net().columns()],
+                degree,
+                count,
             }
         });
         Self {

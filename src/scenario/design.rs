@@ -71,7 +71,10 @@ fn merged(
     let first = file::read(&text).map_err(|error| wrong(&error))?;
     let body = (view.scene.body_index(&spec.body))
         .ok_or_else(|| wrong(&format!("the scene has no body {:?}", spec.body)))?;
-    let patches = [first, surface_now(view.scene, view.state, body)];
+    let second = surface_now(view.scene, view.state, body);
+    let second =
+        second.ok_or_else(|| wrong(&format!("{:?} is a part: it has no net", spec.body)))?;
+    let patches = [first, second];
     let edge = |name: &String| match name.as_str() {
         "u0" => Ok(Edge::U0),
         "u1" => Ok(Edge::U1),
@@ -143,8 +146,13 @@ fn isolated(
         ..Isolation::default()
     };
     let bodies: Vec<Surface> = (0..view.scene.body_count())
-        .map(|body| surface_now(view.scene, view.state, body))
+        .filter_map(|body| surface_now(view.scene, view.state, body))
         .collect();
+    if bodies.len() < view.scene.body_count() {
+        return Err(wrong(
+            &"parts have no net to move; leave them out of the scene",
+        ));
+    }
     let overlapping = |bodies: &[Surface]| -> Result<usize, ScenarioError> {
         let mut count = 0;
         for a in 0..bodies.len() {

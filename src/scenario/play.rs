@@ -11,6 +11,7 @@ use crate::drive::journal::Journal;
 use crate::drive::nets::NetPool;
 use crate::drive::ports::BUS_NETS;
 use crate::recording::{Recorder, RecorderPort, RecorderSettings};
+use palpate_geometry::exchange::Format;
 use palpate_geometry::math::state_hash;
 use palpate_proto::text::located;
 use palpate_sim::scene::spec::Clock;
@@ -107,8 +108,14 @@ fn inline(table: &mut toml::Table, source: &Source) -> Result<(), ScenarioError>
                 path: format!("{}/{name}", source.name()),
                 reason,
             };
+            let is_step = Format::of(Path::new(&name)).is_ok_and(|format| format == Format::Step);
             part.remove("file");
-            if json {
+            if json && is_step {
+                part.insert(
+                    "inline".into(),
+                    toml::Value::Table([("step".into(), text.into())].into_iter().collect()),
+                );
+            } else if json {
                 let value: toml::Value =
                     serde_json::from_str(&text).map_err(|error| wrong(error.to_string()))?;
                 part.insert("inline".into(), value);

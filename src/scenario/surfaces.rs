@@ -5,11 +5,24 @@ use palpate_geometry::surface::Surface;
 use palpate_sim::scene::Scene;
 use palpate_sim::tick::SceneState;
 
-/// The surface of a body as it is now.
-pub fn surface_now(scene: &Scene, state: &SceneState, body: usize) -> Surface {
-    let mut surface = scene.rest_surface(body).clone();
+/// The surface of a body at rest.
+///
+/// # Errors
+/// The body is a part.
+pub fn rest_surface(scene: &Scene, body: usize) -> Result<&Surface, String> {
+    (scene.rest_surface(body)).ok_or_else(|| {
+        format!(
+            "{:?} is a part, which has no B-spline surface: give a body that is one",
+            scene.body_id(body)
+        )
+    })
+}
+
+/// The surface of a body as it is now; `None` of a part.
+pub fn surface_now(scene: &Scene, state: &SceneState, body: usize) -> Option<Surface> {
+    let mut surface = scene.rest_surface(body)?.clone();
     state.copy_net(scene, body, surface.net_mut().points_mut());
-    surface
+    Some(surface)
 }
 
 /// Rows of points over all of a surface, ends included: (rows × columns), u-major, and the

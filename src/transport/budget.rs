@@ -30,7 +30,7 @@ const GREETERS: usize = 512;
 /// of this scene, takes over a link of 40 Mbit/s.
 pub fn patience(scene: &Scene) -> Duration {
     let points: usize = (0..scene.body_count())
-        .map(|body| scene.rest_surface(body).net().points().len())
+        .map(|body| scene.skin(body).points().len())
         .sum();
     // At rest and now, three numbers each.
     let bytes = (points * 2 * 3 * size_of::<f64>()) as f64;

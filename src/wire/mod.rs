@@ -9,6 +9,7 @@ pub use outlines::{first_snapshot, tool_outlines};
 use crate::drive::journal::keeping;
 use crate::drive::ports::LinkCounters;
 use crate::drive::stats::Histogram;
+use palpate_geometry::basis::KnotVector;
 use palpate_geometry::contact::ToolShape;
 use palpate_geometry::math::{Point3, Rotation, Vector3};
 use palpate_geometry::surface::Surface;
@@ -165,17 +166,18 @@ pub fn control_net(
     revision: u64,
     points: &[Point3],
 ) -> wire::ControlNet {
-    let surface = scene.rest_surface(body);
+    let ([degree_u, degree_v], [count_u, count_v]) = scene.net_size(body);
+    let weights = scene.rest_surface(body).and_then(Surface::weights);
     wire::ControlNet {
         tick,
         revision,
         body: scene.body_id(body).to_owned(),
-        degree_u: surface.knots_u().degree() as u8,
-        degree_v: surface.knots_v().degree() as u8,
-        count_u: surface.net().rows() as u16,
-        count_v: surface.net().columns() as u16,
+        degree_u: degree_u as u8,
+        degree_v: degree_v as u8,
+        count_u: count_u as u16,
+        count_v: count_v as u16,
         points: points.iter().map(xyz).collect(),
-        weights: surface.weights().map(<[f64]>::to_vec),
+        weights: weights.map(<[f64]>::to_vec),
     }
 }
 
@@ -187,23 +189,21 @@ pub fn scene_snapshot(
     output: &TickOutput,
 ) -> wire::SceneSnapshot {
     let bodies = (0..scene.body_count()).map(|body| {
-        let surface = scene.rest_surface(body);
+        let knots = scene
+            .rest_surface(body)
+            .map(|surface| [surface.knots_u(), surface.knots_v()]);
         let net = &nets[body];
         wire::BodySnapshot {
             id: net.body.clone(),
             model: scene.model_name(body).into(),
             degree: [net.degree_u, net.degree_v],
-            periodic: [
-                surface.knots_u().is_periodic(),
-                surface.knots_v().is_periodic(),
-            ],
-            knots: [
-                surface.knots_u().file_knots().to_vec(),
-                surface.knots_v().file_knots().to_vec(),
-            ],
+            periodic: knots.map_or([false; 2], |knots| knots.map(KnotVector::is_periodic)),
+            knots: knots.map_or_else(Default::default, |knots| {
+                knots.map(|knots| knots.file_knots().to_vec())
+            }),
             count: [net.count_u, net.count_v],
             points: net.points.clone(),
-            rest_points: rest_points(surface),
+            rest_points: scene.skin(body).points().iter().map(xyz).collect(),
             weights: net.weights.clone(),
             revision: net.revision,
         }
@@ -243,15 +243,11 @@ pub fn scene_snapshot(
     }
 }
 
-fn rest_points(surface: &Surface) -> Vec<[f64; 3]> {
-    surface.net().points().iter().map(xyz).collect()
-}
-
 /// The nets of a state, as messages.
 pub fn all_nets(scene: &Scene, state: &SceneState) -> Vec<wire::ControlNet> {
     (0..scene.body_count())
         .map(|body| {
-            let mut points = scene.rest_surface(body).net().points().to_vec();
+            let mut points = scene.skin(body).points().to_vec();
             state.copy_net(scene, body, &mut points);
             control_net(scene, body, state.tick, state.net_revision(body), &points)
         })

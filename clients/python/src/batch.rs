@@ -170,7 +170,7 @@ fn write_net(py: Python<'_>, net: &NetView, copies: &[Loop]) -> PyResult<()> {
     let mut array =
         array.map_err(|error| PyValueError::new_err(format!("the view of a net: {error}")))?;
     let values = array.as_slice_mut().map_err(internal)?;
-    let count = copies[0].scene.rest_surface(net.body).net().points().len();
+    let count = copies[0].scene.skin(net.body).points().len();
     let mut points = vec![Point3::origin(); count];
     for (values, copy) in values.chunks_exact_mut(3 * count).zip(copies) {
         copy.state.copy_net(&copy.scene, net.body, &mut points);

@@ -103,7 +103,7 @@ impl Inner {
 }
 
 fn write_net(py: Python<'_>, run: &Loop, view: &View, points: &mut Vec<Point3>) -> PyResult<()> {
-    let count = run.scene.rest_surface(view.body).net().points().len();
+    let count = run.scene.skin(view.body).points().len();
     points.resize(count, Point3::origin());
     run.state.copy_net(&run.scene, view.body, points);
     let array = view.array.bind(py).try_readwrite();
@@ -307,8 +307,8 @@ impl Simulation {
         let Inner { run, views, points } = &mut *inner;
         let known = views.iter().position(|view| view.body == body);
         let at = known.unwrap_or_else(|| {
-            let net = self.built.scene.rest_surface(body).net();
-            let array = PyArray3::zeros(py, [net.rows(), net.columns(), 3], false).unbind();
+            let (_, [rows, columns]) = self.built.scene.net_size(body);
+            let array = PyArray3::zeros(py, [rows, columns, 3], false).unbind();
             views.push(View { body, array });
             views.len() - 1
         });
@@ -322,13 +322,19 @@ impl Simulation {
     fn surface(&self, body: &str) -> PyResult<Surface> {
         let body = self.built.body(body)?;
         let inner = self.lock()?;
-        let mut points = self.built.scene.rest_surface(body).net().points().to_vec();
+        let mut points = self.built.scene.skin(body).points().to_vec();
         inner
             .run
             .state
             .copy_net(&self.built.scene, body, &mut points);
         let surface = self.built.scene.surface_with(body, &points);
-        Ok(Surface::of(surface.map_err(surface_error)?))
+        match surface.map_err(surface_error)? {
+            Some(surface) => Ok(Surface::of(surface)),
+            None => Err(PyValueError::new_err(format!(
+                "{:?} is a part, which has no B-spline surface; palpate.Part.load reads its file",
+                self.built.scene.body_id(body)
+            ))),
+        }
     }
 
     /// The whole state, to go back to: equal states are equal by bits.

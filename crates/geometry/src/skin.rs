@@ -1,6 +1,6 @@
 //! What contact touches: a B-spline surface, or a part where it stands. Places of both are two numbers (u, v).
 
-use crate::math::{Point3, Pose, Vector3};
+use crate::math::{Matrix3, Point3, Pose, Rotation, Vector3};
 use crate::part::{Part, PartFoot, PartSolver};
 use crate::surface::{ClosestPoint, ClosestSolver, Surface, WarmFoot};
 use std::sync::Arc;
@@ -51,10 +51,42 @@ impl PlacedPart {
     }
 }
 
+/// The motion that took the corners of a part's box from one place to another; `None` where they are no such corners.
+pub fn motion_of_corners(from: &[Point3], to: &[Point3]) -> Option<Pose> {
+    let frame = |corners: &[Point3]| {
+        let [o, x, y, _, z, ..] = *corners else {
+            return None;
+        };
+        let mut edges = [x - o, y - o, z - o];
+        // The two longest are no zero, unless the part is a line.
+        let shortest = edges
+            .map(|edge| edge.norm())
+            .iter()
+            .enumerate()
+            .fold((0, f64::INFINITY), |least, (k, &length)| {
+                if length < least.1 { (k, length) } else { least }
+            });
+        let k = shortest.0;
+        edges[k] = edges[(k + 1) % 3].cross(&edges[(k + 2) % 3]);
+        let axes = Matrix3::from_columns(&edges.map(|edge| edge.normalize()));
+        let turn = Rotation::from_matrix(&axes);
+        axes.iter()
+            .all(|x| x.is_finite())
+            .then(|| Pose::from_parts(o.coords.into(), turn))
+    };
+    Some(frame(to)? * frame(from)?.inverse())
+}
+
 fn corners(part: &Part, pose: &Pose) -> [Point3; 8] {
     let (low, high) = part.bounds();
     std::array::from_fn(|k| {
-        let end = |axis: usize| if k >> axis & 1 == 0 { low[axis] } else { high[axis] };
+        let end = |axis: usize| {
+            if k >> axis & 1 == 0 {
+                low[axis]
+            } else {
+                high[axis]
+            }
+        };
         pose * Point3::new(end(0), end(1), end(2))
     })
 }

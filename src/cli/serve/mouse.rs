@@ -42,7 +42,7 @@ pub fn add(loaded: &mut Loaded, radius: Option<f64>) -> anyhow::Result<()> {
         );
     }
     let scene = loaded.build()?;
-    let nets = (0..scene.body_count()).map(|body| scene.rest_surface(body).net().points());
+    let nets = (0..scene.body_count()).map(|body| scene.skin(body).points());
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for point in nets.flatten() {
         for c in 0..3 {
@@ -55,7 +55,7 @@ pub fn add(loaded: &mut Loaded, radius: Option<f64>) -> anyhow::Result<()> {
     });
     let smallest = of_scene.fold(f64::INFINITY, f64::min);
     let largest_m = (0..scene.body_count())
-        .map(|body| scene.rest_surface(body).size())
+        .map(|body| scene.skin(body).size_m())
         .fold(0.0, f64::max);
     let radius_m = match radius {
         Some(radius) => radius,

@@ -49,6 +49,15 @@ pub enum ExportError {
         /// What there is.
         bodies: Vec<String>,
     },
+    /// A body without a net.
+    #[error(
+        "{body:?} is a part, which has no control net; its shape is that of the scene's file, `palpate surface tessellate` \
+         writes it"
+    )]
+    Part {
+        /// Wanted.
+        body: String,
+    },
     /// No state after that tick.
     #[error("no state after tick {tick}; {}", known(*.ticks))]
     UnknownTick {

@@ -30,12 +30,14 @@ pub fn net_at(session: &Session, body: &str, tick: u64) -> Result<Surface, Expor
             bodies,
         });
     };
-    let count = scene.rest_surface(index).net().points().len();
+    let count = scene.skin(index).points().len();
     let points = match recorded(session, body, tick, count)? {
         Some(points) => points,
         None => replayed(session, &scene, index, tick)?,
     };
-    Ok(scene.surface_with(index, &points)?)
+    (scene.surface_with(index, &points)?).ok_or_else(|| ExportError::Part {
+        body: body.to_owned(),
+    })
 }
 
 fn recorded(

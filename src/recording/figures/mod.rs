@@ -189,8 +189,7 @@ struct Sum<'a> {
 
 impl<'a> Sum<'a> {
     fn new(scene: &'a Scene) -> Self {
-        let bodies = (0..scene.body_count())
-            .map(|body| (0.0, scene.rest_surface(body).net().points().to_vec()));
+        let bodies = (0..scene.body_count()).map(|body| (0.0, scene.skin(body).points().to_vec()));
         let tools =
             (0..scene.tool_count()).map(|tool| ToolSum::new(scene.tool_id(tool).to_owned()));
         Self {
@@ -215,7 +214,7 @@ impl<'a> Sum<'a> {
             .filter(|(b, _)| self.scene.deforms(*b))
         {
             state.copy_net(self.scene, body, net);
-            let rest = self.scene.rest_surface(body).net().points();
+            let rest = self.scene.skin(body).points();
             let apart = net.iter().zip(rest).map(|(now, rest)| (now - rest).norm());
             *farthest_m = apart.fold(*farthest_m, f64::max);
         }

@@ -1,12 +1,15 @@
 //! Bodies and tools as Foxglove primitives.
 
 use palpate_geometry::math::Point3;
+use palpate_geometry::skin::{Skin, motion_of_corners};
 use palpate_geometry::surface::{Mesh, Surface};
 use palpate_proto::foxglove as fox;
 use palpate_sim::scene::Scene;
 
 /// Cells of a body's grid in each direction: between these.
 const CELLS: [usize; 2] = [12, 32];
+/// Most triangles of a part.
+const MOST_TRIANGLES: usize = 50_000;
 /// Length of the arrow of 1 N, relative to the size of the scene.
 const ARROW: f64 = 0.05;
 /// Displacement that is drawn red, relative to the size of the body.
@@ -163,8 +166,8 @@ impl Grid {
 }
 
 /// Farthest control point from the first, m.
-fn size_m(surface: &Surface) -> f64 {
-    let points = surface.net().points();
+fn size_m(skin: &Skin) -> f64 {
+    let points = skin.points();
     let from = points.first().copied().unwrap_or_default();
     points
         .iter()
@@ -175,10 +178,15 @@ fn size_m(surface: &Surface) -> f64 {
 /// A body that can be drawn with any net.
 pub(super) struct BodyShape {
     id: String,
-    rest: Surface,
+    form: Form,
     rest_points: Vec<Point3>,
-    grid: Grid,
     size_m: f64,
+}
+
+enum Form {
+    Surface(Box<Surface>, Grid),
+    /// Corners around it, and its triangles; at rest.
+    Part(Vec<Point3>, Mesh),
 }
 
 /// A body as it is.
@@ -189,15 +197,24 @@ pub(super) struct Drawn {
 
 impl BodyShape {
     pub fn of(scene: &Scene, body: usize) -> Self {
-        let rest = scene.rest_surface(body).clone();
-        let grid = Grid::over(&rest);
-        let size_m = size_m(&rest);
+        let skin = scene.skin(body);
+        let (form, rest_points) = match skin.surface() {
+            Some(rest) => {
+                let grid = Grid::over(rest);
+                let points = grid.points(rest);
+                (Form::Surface(Box::new(rest.clone()), grid), points)
+            }
+            None => {
+                let mesh = scene.part_outline(body, MOST_TRIANGLES).unwrap_or_default();
+                let points = mesh.points.clone();
+                (Form::Part(skin.points().to_vec(), mesh), points)
+            }
+        };
         Self {
             id: scene.body_id(body).to_owned(),
-            rest_points: grid.points(&rest),
-            rest,
-            grid,
-            size_m,
+            form,
+            rest_points,
+            size_m: size_m(skin),
         }
     }
 
@@ -207,20 +224,48 @@ impl BodyShape {
 
     /// x y z of each control point; as at rest when there are not as many as the body has.
     pub fn drawn(&self, net: &[f64]) -> Drawn {
-        let mut surface = self.rest.clone();
-        let points = surface.net_mut().points_mut();
-        if net.len() == 3 * points.len() {
-            for (to, from) in points.iter_mut().zip(net.chunks_exact(3)) {
-                *to = Point3::new(from[0], from[1], from[2]);
+        let now = net.chunks_exact(3);
+        let now = || now.clone().map(|p| Point3::new(p[0], p[1], p[2]));
+        match &self.form {
+            Form::Surface(rest, grid) => {
+                let mut surface = rest.clone();
+                let points = surface.net_mut().points_mut();
+                if net.len() == 3 * points.len() {
+                    points.iter_mut().zip(now()).for_each(|(to, p)| *to = p);
+                }
+                Drawn {
+                    points: grid.points(&surface),
+                    net: surface.net().points().to_vec(),
+                }
             }
-        }
-        Drawn {
-            points: self.grid.points(&surface),
-            net: surface.net().points().to_vec(),
+            Form::Part(corners, mesh) => {
+                let now: Vec<Point3> = now().collect();
+                let motion = motion_of_corners(corners, &now).unwrap_or_default();
+                Drawn {
+                    points: mesh.points.iter().map(|p| motion * p).collect(),
+                    net: Vec::new(),
+                }
+            }
         }
     }
 
     pub fn entity(&self, stamp: fox::Timestamp, drawn: &Drawn) -> fox::SceneEntity {
+        let (edges, triangles) = match &self.form {
+            Form::Surface(rest, grid) => (
+                rest.net_edges().into_iter().flatten().collect(),
+                grid.triangles(&drawn.points, origin(), SKIN),
+            ),
+            Form::Part(_, mesh) => (
+                Vec::new(),
+                fox::TriangleListPrimitive {
+                    pose: Some(origin()),
+                    points: drawn.points.iter().map(point).collect(),
+                    color: Some(SKIN),
+                    colors: Vec::new(),
+                    indices: mesh.triangles.iter().flatten().copied().collect(),
+                },
+            ),
+        };
         let lines = fox::LinePrimitive {
             r#type: fox::line_primitive::Type::LineList.into(),
             pose: Some(origin()),
@@ -229,14 +274,14 @@ impl BodyShape {
             points: drawn.net.iter().map(point).collect(),
             color: Some(NET),
             colors: Vec::new(),
-            indices: self.rest.net_edges().into_iter().flatten().collect(),
+            indices: edges,
         };
         fox::SceneEntity {
             timestamp: Some(stamp),
             frame_id: "world".into(),
             id: format!("body/{}", self.id),
             lines: vec![lines],
-            triangles: vec![self.grid.triangles(&drawn.points, origin(), SKIN)],
+            triangles: vec![triangles],
             ..Default::default()
         }
     }
@@ -292,7 +337,7 @@ pub(super) struct ToolShape {
 impl ToolShape {
     pub fn of(scene: &Scene, tool: usize) -> Self {
         let size_m = (0..scene.body_count())
-            .map(|body| size_m(scene.rest_surface(body)))
+            .map(|body| size_m(scene.skin(body)))
             .fold(1e-3, f64::max);
         Self {
             id: scene.tool_id(tool).to_owned(),

@@ -1,7 +1,7 @@
 //! What measures look at.
 
 use super::super::play::Played;
-use super::super::surfaces::{grid, surface_now};
+use super::super::surfaces::{grid, rest_surface, surface_now};
 use super::View;
 use super::edge::{EdgeSpec, Line};
 use super::penetration::deepest_m;
@@ -113,7 +113,7 @@ impl Look {
                 along,
             } => {
                 start.body = body(id)?;
-                start.rest = vec![scene.rest_surface(start.body).point(uv[0], uv[1])];
+                start.rest = vec![rest_surface(scene, start.body)?.point(uv[0], uv[1])];
                 start.direction = Vector3::from(*along)
                     .try_normalize(0.0)
                     .ok_or_else(|| format!("measure: {along:?} is no direction"))?;
@@ -124,7 +124,7 @@ impl Look {
                 from_m,
             } => {
                 start.body = body(id)?;
-                let points = grid(scene.rest_surface(start.body), [POINTS; 2]);
+                let points = grid(rest_surface(scene, start.body)?, [POINTS; 2]);
                 start.rest = points.into_iter().map(|(_, _, point)| point).collect();
                 let far = |point: &Point3| {
                     (away.iter()).all(|place| (point - Point3::from(*place)).norm() > *from_m)
@@ -137,7 +137,7 @@ impl Look {
             }
             Self::EdgeAngle(spec) | Self::EdgeStraightness(spec) => {
                 start.body = body(&spec.body)?;
-                start.angle = spec.angle_rad(scene.rest_surface(start.body));
+                start.angle = spec.angle_rad(rest_surface(scene, start.body)?);
             }
             Self::Speed { body: id } | Self::ContactForce { body: id } => start.body = body(id)?,
             Self::Mass { body: id } | Self::WeightError { body: id } => {
@@ -148,15 +148,15 @@ impl Look {
             }
             Self::VolumeChange { body: id } => {
                 start.body = body(id)?;
-                start.volume_m3 = scene.rest_surface(start.body).volume();
+                start.volume_m3 = rest_surface(scene, start.body)?.volume();
             }
-            Self::Spilled { body: id, rim } => {
-                (start.body, start.other) = (body(id)?, body(rim)?);
+            Self::Spilled { body: a, rim: b }
+            | Self::Penetration { body: a, sheet: b }
+            | Self::Distance { bodies: [a, b] } => {
+                (start.body, start.other) = (body(a)?, body(b)?);
+                rest_surface(scene, start.body)?;
+                rest_surface(scene, start.other)?;
             }
-            Self::Penetration { body: id, sheet } => {
-                (start.body, start.other) = (body(id)?, body(sheet)?);
-            }
-            Self::Distance { bodies: [a, b] } => (start.body, start.other) = (body(a)?, body(b)?),
             Self::Force { tool: id }
             | Self::Depth { tool: id }
             | Self::Energy { tool: id }
@@ -184,28 +184,28 @@ impl Look {
         let now = |body: usize| surface_now(scene, state, body);
         match self {
             Self::Displacement { uv, .. } => {
-                let point = now(start.body).point(uv[0], uv[1]);
+                let point = now(start.body)?.point(uv[0], uv[1]);
                 Some((point - start.rest[0]).dot(&start.direction))
             }
             Self::GreatestDisplacement { .. } => {
-                let points = grid(&now(start.body), [POINTS; 2]);
+                let points = grid(&now(start.body)?, [POINTS; 2]);
                 let moved = |k: &usize| (points[*k].2 - start.rest[*k]).norm();
                 Some(start.kept.iter().map(moved).fold(0.0, f64::max))
             }
-            Self::EdgeAngle(spec) => Some(spec.angle_rad(&now(start.body)) - start.angle),
+            Self::EdgeAngle(spec) => Some(spec.angle_rad(&now(start.body)?) - start.angle),
             Self::EdgeStraightness(spec) => {
-                Some(Line::through(&spec.points(&now(start.body), spec.to)).straightness_m)
+                Some(Line::through(&spec.points(&now(start.body)?, spec.to)).straightness_m)
             }
             Self::Speed { .. } => Some(state.speed_m_s(scene, start.body)),
-            Self::VolumeChange { .. } => Some(now(start.body).volume() / start.volume_m3 - 1.0),
+            Self::VolumeChange { .. } => Some(now(start.body)?.volume() / start.volume_m3 - 1.0),
             Self::Spilled { .. } => {
-                let (body, rim) = (now(start.body), now(start.other));
+                let (body, rim) = (now(start.body)?, now(start.other)?);
                 let mesh = body.tessellated([CELLS; 2]).ok()?;
                 let whole = Prism::everywhere().volume_m3(&mesh);
                 Some(1.0 - Prism::over_rim(&rim).volume_m3(&mesh) / whole)
             }
             Self::Penetration { .. } => {
-                Some(deepest_m(&now(start.body), &now(start.other), POINTS))
+                Some(deepest_m(&now(start.body)?, &now(start.other)?, POINTS))
             }
             Self::WeightError { .. } => {
                 if state.speed_m_s(scene, start.body) > AT_REST_M_S {
@@ -231,7 +231,7 @@ impl Look {
             }
             Self::Mass { .. } => Some(start.mass_kg),
             Self::Distance { .. } => {
-                Some((now(start.body).centroid()? - now(start.other).centroid()?).norm())
+                Some((now(start.body)?.centroid()? - now(start.other)?.centroid()?).norm())
             }
             Self::Result(_)
             | Self::Peaks {}

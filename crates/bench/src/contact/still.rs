@@ -494,8 +494,8 @@ fn survey(
         verdict.poses += 1;
         let mut bad = seen.force_step > force_bar || seen.torque_step > torque_bar;
         if motion == Motion::Holds && !target.soft && verdict.poses <= COMPARED {
-            let expected_n =
-                way_out(&points, scene.rest_surface(0).expect("a surface"), &seen).map(|way_m| STIFFNESS_N_M * way_m);
+            let expected_n = way_out(&points, scene.rest_surface(0).expect("a surface"), &seen)
+                .map(|way_m| STIFFNESS_N_M * way_m);
             if let Some(expected_n) = expected_n {
                 let off = (seen.force_n - expected_n).abs() / expected_n;
                 verdict.off = verdict.off.max(off);

@@ -150,7 +150,13 @@ fn a_plane_presses_a_slab_with_e_a_times_the_strain() {
     let mut exact = ExactStep::new(body);
     // So long that inertia is nothing beside what holds the body.
     exact.dt_s = 1e4;
-    let skin = Skin::new(&exact, scene.rest_surface(0).expect("a surface"), [21, 21], |_| true).unwrap();
+    let skin = Skin::new(
+        &exact,
+        scene.rest_surface(0).expect("a surface"),
+        [21, 21],
+        |_| true,
+    )
+    .unwrap();
     let (mut state, mut touch) = (body.rest_state(), Touch::default());
     let plate = Obstacle::Plane {
         point: Point3::new(0.0, 0.0, -strain * thickness),

@@ -85,9 +85,7 @@ impl Party<'_> {
 
 /// A pair that no query answers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "a body against {party:?} has no {method:?} contact: {why}; {help}"
-)]
+#[error("a body against {party:?} has no {method:?} contact: {why}; {help}")]
 pub struct UnsupportedPair {
     /// What stands against the body: the name of a tool shape, `body` or `itself`.
     pub party: &'static str,

@@ -191,11 +191,26 @@ impl PartSolver {
 // PROVISIONAL
 impl PartSolver {
     pub fn given_up(&self) -> u64 {
-        self.splines.iter().flatten().map(|s| s.pieces_given_up()).sum()
+        self.splines
+            .iter()
+            .flatten()
+            .map(|s| s.pieces_given_up())
+            .sum()
     }
-    pub fn closest_warm_moved(&mut self, part: &Part, q: &Point3, _moved_m: f64, warm: &mut crate::surface::WarmFoot) -> Option<PartFoot> {
+    pub fn closest_warm_moved(
+        &mut self,
+        part: &Part,
+        q: &Point3,
+        _moved_m: f64,
+        warm: &mut crate::surface::WarmFoot,
+    ) -> Option<PartFoot> {
         let foot = self.closest(part, q)?;
-        *warm = crate::surface::WarmFoot { u: foot.place[0], v: foot.place[1], budget_m: 0.0, net_cost: 1.0 };
+        *warm = crate::surface::WarmFoot {
+            u: foot.place[0],
+            v: foot.place[1],
+            budget_m: 0.0,
+            net_cost: 1.0,
+        };
         Some(foot)
     }
     pub fn local(&self, part: &Part, q: &Point3, _place: [f64; 2]) -> Option<PartFoot> {

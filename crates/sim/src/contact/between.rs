@@ -292,7 +292,9 @@ fn straight(x: &Point3, seen: Facing, side: f64, on: &BodyScratch) -> Option<Fac
     let surface = on.skin.surface()?;
     let (long_u, long_v) = (surface.knots_u().length(), surface.knots_v().length());
     STARTS.iter().find_map(|(a, b)| {
-        let foot = on.solver.local(&on.skin, x, u + a * long_u, v + b * long_v)?;
+        let foot = on
+            .solver
+            .local(&on.skin, x, u + a * long_u, v + b * long_v)?;
         let seen = Facing {
             gap_m: side * foot.signed_distance,
             normal: -foot.normal * side,

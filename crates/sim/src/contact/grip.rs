@@ -35,9 +35,7 @@ pub(crate) fn update(scene: &Scene, tools: &mut [ToolState], bodies: &[BodyScrat
         if grip.fresh {
             grip.fresh = false;
             for anchor in grip.anchors_mut() {
-                let on_surface = bodies[body_of(anchor.pair)]
-                    .skin
-                    .point(anchor.u, anchor.v);
+                let on_surface = bodies[body_of(anchor.pair)].skin.point(anchor.u, anchor.v);
                 anchor.offset = rotation.inverse_transform_vector(&(on_surface - *proxy));
             }
         } else if grip.holds() {

@@ -8,8 +8,8 @@ use crate::scene::{Body, Scene};
 use crate::solve::side::Sided;
 use palpate_geometry::contact::dispatch::SkinSide;
 use palpate_geometry::math::{Point3, Vector3};
-use palpate_geometry::stateful;
 use palpate_geometry::skin::{Skin, SkinSolver};
+use palpate_geometry::stateful;
 
 /// State of a body.
 #[derive(Debug, Default, PartialEq)]

@@ -37,7 +37,9 @@ pub use schema::schema;
 use crate::body::Deformable;
 use crate::haptics::{DeviceBounds, DeviceFigures, StiffnessLimits};
 use crate::solve::rows::{Holder, most_rows};
+use palpate_geometry::basis::KnotVector;
 use palpate_geometry::contact::ToolShape;
+use palpate_geometry::part::PartMesh;
 use palpate_geometry::skin::Skin;
 use palpate_geometry::surface::{Mesh, Surface};
 use spec::{Clock, SceneSpec};
@@ -188,6 +190,34 @@ impl Scene {
     /// The surface of a body at rest, refined as simulated and published (world frame); `None` of a part.
     pub fn rest_surface(&self, body: usize) -> Option<&Surface> {
         self.bodies[body].skin.surface()
+    }
+
+    /// Degrees of a body's net in u and v, and its rows and columns. That of a part are the eight corners of a box around
+    /// it, 2 × 4 of degree 0.
+    pub fn net_size(&self, body: usize) -> ([usize; 2], [usize; 2]) {
+        match &self.bodies[body].skin {
+            Skin::Surface(surface) => (
+                [surface.knots_u(), surface.knots_v()].map(KnotVector::degree),
+                [surface.net().rows(), surface.net().columns()],
+            ),
+            Skin::Part(_) => ([0; 2], [2, 4]),
+        }
+    }
+
+    /// Triangles of a part at rest (world frame), m, no farther from it than a 1/2000 of its size where `most` allow it;
+    /// `None` of a surface.
+    pub fn part_outline(&self, body: usize, most: usize) -> Option<Mesh> {
+        let placed = self.bodies[body].skin.part()?;
+        let part = placed.part();
+        let made = (0..6).find_map(|k| {
+            let tolerance_m = part.size_m() * 5e-4 * f64::from(4u32.pow(k));
+            part.triangles(tolerance_m, most).ok()
+        });
+        let PartMesh { mesh, .. } = made?;
+        Some(Mesh {
+            points: mesh.points.iter().map(|p| placed.pose() * p).collect(),
+            ..mesh
+        })
     }
 
     /// What is touched of a body, at rest (world frame).

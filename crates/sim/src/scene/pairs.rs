@@ -205,7 +205,8 @@ pub(super) fn build(
         let Err(error) = dispatch::check(&bodies[pair.body].skin, party, pair.method) else {
             continue;
         };
-        let of_pair = |named: &&(Holder, usize, usize)| (named.0, named.1) == (pair.holder, pair.body);
+        let of_pair =
+            |named: &&(Holder, usize, usize)| (named.0, named.1) == (pair.holder, pair.body);
         match chosen.iter().rev().find(of_pair) {
             Some((_, _, c)) => top.key("contact").entry(*c).key("method").refuse(error),
             None => top.key("contact").refuse(format!(

@@ -361,7 +361,9 @@ impl Scene {
 }
 
 fn body_plan(body: &super::Body, dt_s: f64) -> BodyPlan {
-    let simulated_net = (body.skin.surface()).map_or([0; 2], |surface| [surface.net().rows(), surface.net().columns()]);
+    let simulated_net = (body.skin.surface()).map_or([0; 2], |surface| {
+        [surface.net().rows(), surface.net().columns()]
+    });
     let (model, deformable) = match &body.model {
         BodyModel::Rigid => ("rigid", None),
         BodyModel::Deforming(model) => {

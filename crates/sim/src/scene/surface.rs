@@ -77,7 +77,10 @@ impl SurfaceSpec {
                 "unit is for mesh files (.stl, .obj, .ply); surface files say their unit themselves, and all else is in metres",
             );
         }
-        let of_step = self.inline.as_ref().is_some_and(|value| value.get(STEP).is_some());
+        let of_step = self
+            .inline
+            .as_ref()
+            .is_some_and(|value| value.get(STEP).is_some());
         let is_step = of_step || format == Some(Format::Step);
         for (key, given) in [
             ("part", self.part.is_some()),
@@ -131,7 +134,9 @@ impl SurfaceSpec {
             false => Some(exchange::read_surface(bytes, Format::Step, pick)),
         };
         match one {
-            Some(Ok(read)) if !read.left_out.is_any() && (read.count == 1 || self.index.is_some()) => {
+            Some(Ok(read))
+                if !read.left_out.is_any() && (read.count == 1 || self.index.is_some()) =>
+            {
                 return Ok(Named::Surface(Loaded {
                     surface: read.surface,
                     merged: read.merged,
@@ -285,4 +290,3 @@ impl SurfaceSpec {
         Some(())
     }
 }
-

@@ -104,7 +104,8 @@ fn a_grabbed_soft_body_is_pulled_out_and_springs_back_when_let_go() {
     }
     let rest = world
         .scene
-        .rest_surface(0).unwrap()
+        .rest_surface(0)
+        .unwrap()
         .net()
         .points()
         .iter()

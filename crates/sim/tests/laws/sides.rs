@@ -499,7 +499,8 @@ fn a_soft_ball_that_falls_past_the_edge_of_a_sheet_gains_nothing() {
             };
             let at = [0.05 + 0.02 - over_m, along_m, 0.0202];
             let mut world = World::new(&ball_above_a_sheet(model, at));
-            let mut net = vec![Point3::origin(); world.scene.rest_surface(1).unwrap().net().points().len()];
+            let mut net =
+                vec![Point3::origin(); world.scene.rest_surface(1).unwrap().net().points().len()];
             let mut last = world.centre(1, &mut net);
             let start = last;
             for k in 0..250 {

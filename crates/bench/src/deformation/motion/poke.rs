@@ -108,7 +108,10 @@ struct Worst {
 impl Worst {
     fn poke(&mut self, drop: Drop, seed: u64) -> Result<(), String> {
         let mut world = World::new(&drop.text())?;
-        let mut pokes = Pokes::new(seed, first_touch(world.scene.rest_surface(0).expect("a surface")));
+        let mut pokes = Pokes::new(
+            seed,
+            first_touch(world.scene.rest_surface(0).expect("a surface")),
+        );
         for _ in 0..TICKS {
             let force_n = world.at(pokes.next()).tools[0].force_n.norm();
             self.force_n = larger(self.force_n, force_n);
