@@ -59,13 +59,12 @@ pub fn motion_of_corners(from: &[Point3], to: &[Point3]) -> Option<Pose> {
         };
         let mut edges = [x - o, y - o, z - o];
         // The two longest are no zero, unless the part is a line.
-        let shortest = edges
-            .map(|edge| edge.norm())
-            .iter()
-            .enumerate()
-            .fold((0, f64::INFINITY), |least, (k, &length)| {
+        let shortest = edges.map(|edge| edge.norm()).iter().enumerate().fold(
+            (0, f64::INFINITY),
+            |least, (k, &length)| {
                 if length < least.1 { (k, length) } else { least }
-            });
+            },
+        );
         let k = shortest.0;
         edges[k] = edges[(k + 1) % 3].cross(&edges[(k + 2) % 3]);
         let axes = Matrix3::from_columns(&edges.map(|edge| edge.normalize()));

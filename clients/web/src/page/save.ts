@@ -1,5 +1,6 @@
 /** Files that the page makes: pictures and nets. */
 
+import { isPart, PartTriangles } from "./surface/part";
 import { tessellationOf } from "./surface/tessellate";
 import { Bounds } from "./geometry";
 import type { World } from "./world";
@@ -27,13 +28,16 @@ export function objOf(world: World): string {
   for (const body of world.bodies) {
     if (body.fault !== null) continue;
     const { middle } = new Bounds().take(body.points);
-    const tess = tessellationOf(body.surface, middle as [number, number, number], 96);
+    const origin = middle as [number, number, number];
+    const outline = world.outlineOf(body);
+    const part = isPart(body) && outline !== undefined ? new PartTriangles(outline, body.rest, origin) : null;
+    const tess = part ?? tessellationOf(body.surface, origin, 96);
     if (tess === null || tess.evaluate(body.points) >= 0) continue;
     lines.push(`o ${body.id}`);
-    for (const [name, side] of [["u", body.surface.u], ["v", body.surface.v]] as const) {
+    for (const [name, side] of part !== null ? [] : [["u", body.surface.u], ["v", body.surface.v]] as const) {
       lines.push(`#net ${name} degree ${side.degree} count ${side.count} ${side.periodic ? "periodic" : ""} knots ${Array.from(side.knots).join(" ")}`);
     }
-    for (let k = 0; k < body.points.length; k += 3) lines.push(`#net p ${body.points[k]} ${body.points[k + 1]} ${body.points[k + 2]}`);
+    for (let k = 0; part === null && k < body.points.length; k += 3) lines.push(`#net p ${body.points[k]} ${body.points[k + 1]} ${body.points[k + 2]}`);
     const { positions: p, normals: n, indices } = tess;
     for (let k = 0; k < p.length; k += 3) lines.push(`v ${p[k] + middle[0]} ${p[k + 1] + middle[1]} ${p[k + 2] + middle[2]}`);
     for (let k = 0; k < n.length; k += 3) lines.push(`vn ${n[k].toFixed(6)} ${n[k + 1].toFixed(6)} ${n[k + 2].toFixed(6)}`);

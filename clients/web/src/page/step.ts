@@ -38,6 +38,7 @@ const text = (value: string): string => `'${value.replace(/[^\x20-\x7e]/g, "_").
 /** Why a body cannot be written; `null` if it can. */
 export function stepFault(body: Body): string | null {
   if (body.fault !== null) return body.fault;
+  if (body.surface.u.degree === 0) return `${body.id} is a part: its STEP file is the one that the scene names`;
   const fault = knotFault(body.surface.u) ?? knotFault(body.surface.v);
   if (fault !== null) return `${body.id}: ${fault}`;
   const parted = [body.surface.u, body.surface.v].some((direction) => partedAfter(direction).size > 0);

@@ -39,6 +39,7 @@ export class Body {
 
   /** Rows and columns after which the net begins anew. */
   get parted(): readonly [Set<number>, Set<number>] {
+    if (this.surface.u.degree === 0) return [new Set(), new Set()];
     return [partedAfter(this.surface.u), partedAfter(this.surface.v)];
   }
 
@@ -106,7 +107,7 @@ export class Tool {
   }
 }
 
-/** A tool's shape as triangles in its own frame, m: what `/tools.json` lists. */
+/** Triangles, m, as `/tools.json` lists them: of a tool in its own frame, of a part (`shape`) at rest in the world. */
 export interface Outline {
   readonly id: string;
   readonly shape: string;
@@ -181,6 +182,11 @@ export class World {
       body.inside = known.get(body.id) ?? null;
     }
     this.touch();
+  }
+
+  /** The triangles of a body that is a part. */
+  outlineOf(body: Body): Outline | undefined {
+    return this.outlines.find(({ id, shape }) => id === body.id && shape === "part");
   }
 
   body(id: string): Body | undefined {

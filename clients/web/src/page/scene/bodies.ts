@@ -4,10 +4,11 @@ import {
   BufferAttribute, BufferGeometry, Color, DoubleSide, Group, LineBasicMaterial, LineSegments, Mesh, MeshPhongMaterial,
   Points, PointsMaterial, Sphere, Vector3,
 } from "three";
-import type { Body } from "../world";
+import type { Body, Outline } from "../world";
 import { Bounds } from "../geometry";
 import { youngAt, type Inside } from "../inside";
-import { tessellationOf, type Tessellation } from "../surface/tessellate";
+import { isPart, PartTriangles, type Triangles } from "../surface/part";
+import { tessellationOf, Tessellation } from "../surface/tessellate";
 import type { ColourBy } from "../settings";
 import { paint, type MapName, type Scale } from "./colour";
 import { LatticeView } from "./lattice";
@@ -26,7 +27,7 @@ export class BodyView {
   readonly group = new Group();
   /** Largest and smallest of what colours show, of the net drawn. */
   extent: readonly [number, number] = [0, 0];
-  readonly tessellation: Tessellation | null;
+  readonly tessellation: Triangles | null;
 
   private readonly geometry = new BufferGeometry();
   private readonly surface: Mesh<BufferGeometry, MeshPhongMaterial>;
@@ -45,12 +46,14 @@ export class BodyView {
   private measured: { net: number; what: string; other: number; inside: Inside | null } = { net: -1, what: "", other: -1, inside: null };
   private painted = "";
 
-  constructor(readonly body: Body, private readonly stage: Stage, private readonly number: number, many: number) {
+  constructor(readonly body: Body, private readonly stage: Stage, private readonly number: number, many: number, outline?: Outline) {
     const { middle, size } = new Bounds().take(body.rest);
     this.size = size;
     const target = Math.max(28, Math.round(CELLS / Math.sqrt(many)));
     const complete = body.rest.length === 3 * body.surface.u.count * body.surface.v.count;
-    this.tessellation = complete ? tessellationOf(body.surface, middle as [number, number, number], target) : null;
+    const origin = middle as [number, number, number];
+    if (isPart(body)) this.tessellation = outline === undefined ? null : new PartTriangles(outline, body.rest, origin);
+    else this.tessellation = complete ? tessellationOf(body.surface, origin, target) : null;
     const tess = this.tessellation;
     const material = new MeshPhongMaterial({
       vertexColors: true, side: DoubleSide, specular: 0x2a2a2a, shininess: 22, clipShadows: true,
@@ -88,7 +91,11 @@ export class BodyView {
   private makeLines(): LineSegments<BufferGeometry, LineBasicMaterial> {
     const geometry = new BufferGeometry();
     const tess = this.tessellation;
-    if (tess !== null) {
+    if (tess instanceof PartTriangles) {
+      geometry.setAttribute("position", this.geometry.getAttribute("position"));
+      geometry.setIndex(tess.creases);
+      geometry.boundingSphere = this.geometry.boundingSphere;
+    } else if (tess instanceof Tessellation) {
       const { u, v } = tess;
       const index: number[] = [];
       const some = (knots: Int32Array) => knots.filter((_, k) => k % Math.ceil(knots.length / MOST_LINES) === 0);
@@ -158,7 +165,7 @@ export class BodyView {
     const whole = this.body.fault === null;
     this.surface.visible = surface && whole && this.tessellation !== null;
     // A body whose knots cannot be used is shown as its net.
-    this.net.visible = (net || this.tessellation === null) && whole;
+    this.net.visible = (net || this.tessellation === null) && whole && !isPart(this.body);
     this.lines.visible = lines && whole && this.tessellation !== null;
     const planes = clipped ? [this.stage.clip] : null;
     for (const material of [this.surface.material, this.lines.material]) {
@@ -204,7 +211,7 @@ export class BodyView {
   }
 
   /** What colours show, at every vertex. */
-  private measure(what: ColourBy, tess: Tessellation, other: BodyView | null): void {
+  private measure(what: ColourBy, tess: Triangles, other: BodyView | null): void {
     const { values, restPositions: rest, restNormals: normals } = this;
     const p = tess.positions;
     const compared = other?.tessellation?.positions;
@@ -271,7 +278,7 @@ export class BodyView {
 }
 
 /** Six times the volume between the triangles and the origin of the tessellation. */
-function signedVolume({ positions: p, indices }: Tessellation): number {
+function signedVolume({ positions: p, indices }: Triangles): number {
   let sum = 0;
   for (let k = 0; k < indices.length; k += 3) {
     const [a, b, c] = [3 * indices[k], 3 * indices[k + 1], 3 * indices[k + 2]];

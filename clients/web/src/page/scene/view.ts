@@ -4,6 +4,7 @@ import { Group } from "three";
 import { Bounds, norm, type Vec3 } from "../geometry";
 import type { Settings } from "../settings";
 import { niceAbove } from "../units";
+import { isPart } from "../surface/part";
 import type { World } from "../world";
 import { BodyView } from "./bodies";
 import { meaning, Range, type Scale } from "./colour";
@@ -59,21 +60,24 @@ export class WorldView {
     const fresh = seen.scene !== world.sceneVersion;
     if (!fresh && seen.outlines === world.outlineVersion) return false;
     seen.outlines = world.outlineVersion;
+    const remade = fresh || world.bodies.some(isPart);
+    if (remade) {
+      for (const view of this.bodies) view.dispose();
+      this.bodies = world.bodies.map((body, k) => new BodyView(body, this.stage, k, world.bodies.length, world.outlineOf(body)));
+      for (const view of this.bodies) this.group.add(view.group);
+    }
     if (fresh) {
       seen.scene = world.sceneVersion;
-      for (const view of this.bodies) view.dispose();
       const bounds = world.bounds();
       this.size = bounds.size;
       this.middle = bounds.middle;
       this.groundZ = bounds.empty ? 0 : bounds.low[2] - (isFlat(world) ? FLAT_ABOVE * bounds.size : 0);
-      this.bodies = world.bodies.map((body, k) => new BodyView(body, this.stage, k, world.bodies.length));
-      for (const view of this.bodies) this.group.add(view.group);
       this.range.reset();
       this.forceRange.reset();
     }
     for (const view of this.tools) view.dispose();
     this.tools = world.tools.map((tool) => {
-      const outline = world.outlines.find((candidate) => candidate.id === tool.id);
+      const outline = world.outlines.find(({ id, shape }) => id === tool.id && shape !== "part");
       const view = new ToolView(tool, outline, this.size, look);
       this.group.add(view.group);
       return view;
