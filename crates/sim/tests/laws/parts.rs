@@ -1,0 +1,212 @@
+//! Parts of STEP files as bodies: closed forms, continuity over edges, replay.
+
+use crate::common::World;
+use palpate_geometry::math::{Point3, Random, SavedState, Vector3, state_hash};
+use palpate_geometry::skin::SkinSolver;
+use palpate_sim::scene::{Scene, file};
+use palpate_sim::tick::restore;
+use std::path::Path;
+
+const STIFFNESS_N_M: f64 = 500.0;
+const RADIUS_M: f64 = 0.003;
+
+fn step(name: &str) -> String {
+    let path = format!(
+        "{}/../geometry/tests/data/parts/{name}.step",
+        env!("CARGO_MANIFEST_DIR")
+    );
+    std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path}: {e}"))
+}
+
+/// A part, and a ball that starts outside it.
+fn scene(name: &str, start: [f64; 3], more: &str) -> String {
+    format!(
+        "[[body]]\nid = \"part\"\nsurface = {{ inline = {{ step = '''\n{}''' }} }}\n{more}\n\
+         [[tool]]\nid = \"ball\"\nshape = {{ sphere = {{ radius_m = {RADIUS_M} }} }}\n\
+         pose = {{ position = {start:?} }}\n\
+         coupling = {{ stiffness_n_m = {STIFFNESS_N_M}, damping_n_s_m = 0.0 }}\n\
+         device = {{ force_max_n = 500.0, ramp_s = 0.0, speed_max_m_s = 1000.0 }}\n",
+        step(name)
+    )
+}
+
+/// Signed distance to a box of 60 × 40 × 20 mm with edges of 4 mm radius, one of whose corners would be the origin.
+fn to_rounded_box(p: &Point3) -> f64 {
+    let half = Vector3::new(0.026, 0.016, 0.006);
+    let away = (p - Point3::new(0.03, 0.02, 0.01)).abs() - half;
+    let outside = away.sup(&Vector3::zeros()).norm();
+    outside + away.max().min(0.0) - 0.004
+}
+
+/// A smooth way around a box, m: near its faces, edges and corners in turn.
+fn way(k: usize, (low, high): (Point3, Point3), deep_m: f64) -> Point3 {
+    let t = k as f64 * 1e-3;
+    let middle = middle_of(&low, &high);
+    let direction = Vector3::new(
+        (1.3 * t).cos() * (0.7 * t).cos(),
+        (1.3 * t).sin() * (0.7 * t).cos(),
+        (0.7 * t).sin(),
+    );
+    let half = (high - low) * 0.5;
+    // To the box's outside along the direction.
+    let reach = (0..3)
+        .map(|c| half[c] / direction[c].abs().max(1e-9))
+        .fold(f64::INFINITY, f64::min);
+    middle + direction * (reach - deep_m)
+}
+
+fn middle_of(low: &Point3, high: &Point3) -> Point3 {
+    low + (high - low) * 0.5
+}
+
+// On a convex part the force is that of the distance: K (r − d) along the way to the closest point.
+#[test]
+fn a_ball_on_a_rounded_box_has_the_force_of_its_depth_over_faces_fillets_and_corners() {
+    let mut world = World::new(&scene("filleted_box", [0.03, 0.02, 0.06], ""));
+    let bounds = (Point3::origin(), Point3::new(0.06, 0.04, 0.02));
+    let (mut touched, mut worst) = (0, 0.0_f64);
+    for k in 0..12_000 {
+        // From far above; then 1 mm deep, at up to 60 mm/s.
+        let deep_m = if k < 200 {
+            -0.03 + 1.5e-4 * k as f64
+        } else {
+            -0.0015
+        };
+        let at = way(k, bounds, deep_m);
+        let tool = world.at(at.into()).tools[0];
+        let depth_m = RADIUS_M - to_rounded_box(&at);
+        if depth_m > 0.0 && depth_m < RADIUS_M {
+            touched += 1;
+            let error = (tool.force_n.norm() - STIFFNESS_N_M * depth_m).abs();
+            worst = worst.max(error / STIFFNESS_N_M);
+            assert!(
+                tool.contact.is_some(),
+                "at {k}: depth {depth_m} without contact"
+            );
+        } else if depth_m < -1e-9 {
+            assert_eq!(tool.force_n.norm(), 0.0, "at {k}: force at {depth_m} m");
+        }
+    }
+    assert!(touched > 5_000, "{touched} touches");
+    assert!(worst < 1e-9, "off by {worst} m");
+}
+
+// Faces, edges, concave places and gaps of the file: never without contact while pressed, no step of the force that the
+// way of a tick does not explain.
+#[test]
+fn forces_over_edges_are_continuous_and_never_vanish() {
+    for name in [
+        "shelled_box",
+        "thread",
+        "text_cut",
+        "turned",
+        "pipe",
+        "loft",
+        "saddle",
+    ] {
+        let mut world = World::new(&scene(name, [0.0, 0.0, 0.5], ""));
+        let (low, high) = world.scene.skin(0).part().expect("a part").part().bounds();
+        let mut random = Random::new(7);
+        let (mut touched, mut worst, mut lost) = (0, 0.0_f64, 0);
+        let mut solver = SkinSolver::new(world.scene.skin(0));
+        for _ in 0..6 {
+            let phase = random.below(5_000);
+            let mut before: Option<(Point3, Vector3)> = None;
+            for k in 0..2_000 {
+                let deep_m = if k < 200 {
+                    5e-5 * k as f64 - 0.012
+                } else {
+                    -0.002
+                };
+                let at = way(phase + k / 4, (low, high), deep_m);
+                let tool = world.at(at.into()).tools[0];
+                let foot = solver.closest(world.scene.skin(0), &at);
+                let pressed = foot.signed_distance > 0.0 && foot.signed_distance < RADIUS_M - 1e-7;
+                if pressed {
+                    touched += 1;
+                    lost += usize::from(tool.contact.is_none());
+                }
+                if let Some((place, force)) = before.filter(|_| pressed && tool.contact.is_some()) {
+                    let most = STIFFNESS_N_M * (at - place).norm();
+                    let jump = (tool.force_n - force).norm();
+                    worst = worst.max(jump / most.max(STIFFNESS_N_M * 1e-6));
+                }
+                before = Some((at, tool.force_n));
+            }
+            world = World::new(&scene(name, [0.0, 0.0, 0.5], ""));
+        }
+        println!("{name}: {touched} touches, {lost} lost, steps up to {worst} of the way's");
+        assert_eq!(lost, 0, "{name}");
+        assert!(touched > 500, "{name}: {touched} touches");
+    }
+}
+
+// A part that comes up under a ball that is held still lifts its proxy, however deep the device comes to be.
+#[test]
+fn a_part_that_moves_lifts_a_ball() {
+    let more = "motion = { waypoint = [ { time_s = 0.2, position = [0.0, 0.0, 0.0] }, { time_s = 0.7, position = [0.0, 0.0, 0.01] } ] }";
+    let start = [0.03, 0.02, 0.026];
+    let mut world = World::new(&scene("filleted_box", start, more));
+    let mut tool = world.at(start).tools[0];
+    for _ in 0..1_000 {
+        tool = world.at(start).tools[0];
+    }
+    let expected_n = STIFFNESS_N_M * (0.030 + RADIUS_M - start[2]);
+    assert!(
+        (tool.force_n - Vector3::z() * expected_n).norm() < 1e-9,
+        "{}",
+        tool.force_n
+    );
+    assert!((tool.proxy_position.z - (0.030 + RADIUS_M)).abs() < 1e-12);
+}
+
+// What only a net can do is refused by name.
+#[test]
+fn parts_that_would_deform_are_refused_with_what_would_help() {
+    for (more, words) in [
+        ("model = \"continuum\"", "surface fit"),
+        ("free = true", "does not move freely"),
+        ("fixed = [{ side = \"low\", axis = \"z\" }]", "no nodes"),
+    ] {
+        let text = scene("filleted_box", [0.0, 0.0, 0.5], more);
+        let built = file::parse(&text, "test.toml", Path::new("."))
+            .and_then(|loaded| Scene::build(&loaded.spec, Path::new(".")));
+        let error = built.err().map(|e| e.to_string()).unwrap_or_default();
+        assert!(error.contains(words), "{more}: {error}");
+    }
+}
+
+// A state taken in the middle of a slide goes on to the same bits.
+#[test]
+fn a_slide_over_a_part_replays_from_any_state() {
+    let text = scene("thread", [0.0, 0.0, 0.5], "");
+    let mut world = World::new(&text);
+    let (low, high) = world.scene.skin(0).part().expect("a part").part().bounds();
+    let at = |k: usize| {
+        way(
+            k / 4,
+            (low, high),
+            if k < 200 {
+                5e-5 * k as f64 - 0.012
+            } else {
+                -0.002
+            },
+        )
+    };
+    let mut saved = SavedState::default();
+    for k in 0..1_200 {
+        if k == 700 {
+            saved.save_from(&world.state);
+        }
+        world.at(at(k).into());
+    }
+    let end = state_hash(&world.state);
+    let mut again = World::new(&text);
+    again.seq = 700;
+    restore(&again.scene, &mut again.state, &mut again.scratch, &saved)
+        .expect("a state of the same scene");
+    for k in 700..1_200 {
+        again.at(at(k).into());
+    }
+    assert_eq!(state_hash(&again.state), end);
+}
