@@ -127,6 +127,9 @@ pub(crate) struct PartMinima {
     out: Vec<(PartFoot, Mark)>,
     size_m: f64,
     complete: bool,
+    /// Searches that did not find the closest point themselves.
+    #[cfg(test)]
+    pub missed: u64,
 }
 
 impl PartMinima {
@@ -150,6 +153,8 @@ impl PartMinima {
             out: Vec::with_capacity(MOST),
             size_m,
             complete: true,
+            #[cfg(test)]
+            missed: 0,
         }
     }
 
@@ -191,6 +196,10 @@ impl PartMinima {
         self.gather(part, &aim, within_m);
         let nearest = self.held.first().map_or(f64::INFINITY, |held| held.value);
         if nearest > closest.distance + 1e-13 * self.size_m {
+            #[cfg(test)]
+            {
+                self.missed += 1;
+            }
             let (face, uv) = part.on_face(closest.place);
             self.hold(Held {
                 value: closest.distance,

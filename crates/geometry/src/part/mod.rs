@@ -31,4 +31,6 @@ pub use triangles::{PartMesh, TrianglesError};
 pub use trim::TrimProblem;
 
 #[cfg(test)]
+pub(crate) mod hand;
+#[cfg(test)]
 mod tests;
