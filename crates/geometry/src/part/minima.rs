@@ -727,19 +727,24 @@ fn same_places(part: &Part, within_m: f64) -> Vec<u32> {
     let mut order: Vec<u32> = (0..part.vertices.len() as u32).collect();
     order.sort_unstable_by(|&a, &b| at(a).x.total_cmp(&at(b).x).then(a.cmp(&b)));
     let mut first: Vec<u32> = (0..part.vertices.len() as u32).collect();
+    let root = |first: &[u32], mut v: u32| {
+        while first[v as usize] != v {
+            v = first[v as usize];
+        }
+        v
+    };
     for (k, &a) in order.iter().enumerate() {
         let beside = order[k + 1..].iter();
         for &b in beside.take_while(|&&b| at(b).x - at(a).x <= within_m) {
             if (at(a) - at(b)).norm() <= within_m {
-                let (low, high) = (first[a as usize], first[b as usize]);
-                let least = low.min(high);
-                let most = low.max(high);
-                first
-                    .iter_mut()
-                    .filter(|f| **f == most)
-                    .for_each(|f| *f = least);
+                let (a, b) = (root(&first, a), root(&first, b));
+                first[a.max(b) as usize] = a.min(b);
             }
         }
+    }
+    // No vertex comes before the first at its place.
+    for v in 0..first.len() {
+        first[v] = first[first[v] as usize];
     }
     first
 }

@@ -4,8 +4,8 @@ use super::*;
 use crate::contact::{Contact, ContactSet, Reach, ToolPoint};
 use crate::exchange::step::{PartPick, read_part};
 use crate::math::{Point3, Random, Vector3};
-use crate::part::Brep;
-use crate::part::hand::{cylinder, prism, rounded, walls};
+use crate::part::hand::{axes, cone, cylinder, prism, rounded, walls, whole};
+use crate::part::{Brep, BrepCurve, Carrier};
 
 const NAMES: [&str; 12] = [
     "assembly",
@@ -211,6 +211,119 @@ fn a_ball_in_a_corner_touches_both_walls() {
     // On the edge's own line, from within the matter, it is the nearest.
     let found = rig.ball(&Point3::new(0.019, 0.019, 0.05), 0.01, &touch());
     assert!((found[0].depth_m - (0.01 + 1e-3 * 2f64.sqrt())).abs() < 1e-14);
+}
+
+/// The floor of a notch is of two faces, and the edge between them is off both.
+#[test]
+fn a_second_contact_is_not_lost_over_an_edge_with_a_gap() {
+    let notch = [
+        [0.0, 0.0],
+        [0.06, 0.0],
+        [0.06, 0.02],
+        [0.025, 0.02],
+        [0.02, 0.02],
+        [0.02, 0.06],
+        [0.0, 0.06],
+    ];
+    let mut random = Random(69);
+    for gap in [0.0, 1e-9, -1e-9, 1e-7, -1e-7, 1e-6, -1e-6, 1e-5, -1e-5] {
+        let mut brep = prism(&notch, 0.1);
+        let is_there = |p: &Point3| p.x == 0.025;
+        for edge in &mut brep.edges {
+            let upright = edge.ends.map(|v| is_there(&brep.vertices[v as usize])) == [true; 2];
+            if let (BrepCurve::Line { origin, .. }, true) = (&mut edge.curve, upright) {
+                origin.y += gap;
+            }
+        }
+        let moved = brep.vertices.iter_mut().filter(|p| is_there(p));
+        moved.for_each(|p| p.y += gap);
+        let mut rig = Rig::new(&brep, &mut random);
+        assert!((rig.part.gap_m() - gap.abs()).abs() < 1e-15);
+        for k in 0..2_000 {
+            let off = 10f64.powf(random.float(-15.0, -3.0)) * random.signed();
+            // Farther from the floor than from the wall beside it.
+            let height = random.float(0.0065, 0.0095);
+            let q = Point3::new(0.025 + off, 0.02 + height, random.float(0.02, 0.08));
+            let found = rig.ball(&q, 0.01, &touch());
+            assert_eq!(found.len(), 2, "{gap:e} {k}: {found:?} at {off:e}");
+            let short = found[1].depth_m - (0.01 - height);
+            assert!(short.abs() <= gap.abs() + 1e-14, "{gap:e} {k}: {found:?}");
+        }
+    }
+}
+
+#[test]
+fn an_apex_is_a_contact_where_it_is_the_nearest() {
+    let mut random = Random(70);
+    let mut rig = Rig::new(&cone(), &mut random);
+    for _ in 0..2_000 {
+        // Within 45° of straight above, and not.
+        let [x, y] = [random.signed(), random.signed()].map(|x| 0.008 * x);
+        let q = Point3::new(x, y, 0.01 + 0.01 * random.unit());
+        let (rho, up) = (x.hypot(y), q.z - 0.01);
+        let right = match up > rho {
+            true => rho.hypot(up),
+            false => (rho + up) * 0.5f64.sqrt(),
+        };
+        let found = rig.ball(&q, 0.02, &touch());
+        assert_eq!(found.len(), 1, "{found:?} at {q}");
+        assert!((found[0].depth_m - (0.02 - right)).abs() < 1e-14);
+    }
+    assert_eq!(rig.scratch.minima.missed, 0);
+}
+
+/// The places of edges are where the most can go wrong.
+#[test]
+fn balls_right_above_the_edges_of_files_are_held() {
+    let mut random = Random(71);
+    for name in NAMES {
+        let mut rig = Rig::of_file(name, &mut random);
+        let size = rig.part.size_m();
+        let mesh = rig
+            .part
+            .triangles(1e-2 * size, 1_000_000)
+            .expect("triangles");
+        let mut of: Vec<Option<u32>> = vec![None; mesh.mesh.points.len()];
+        let mut on_edge = vec![false; of.len()];
+        for (triangle, face) in mesh.mesh.triangles.iter().zip(&mesh.faces) {
+            for &k in triangle {
+                on_edge[k as usize] |= of[k as usize].is_some_and(|other| other != *face);
+                of[k as usize] = Some(*face);
+            }
+        }
+        let edges: Vec<Point3> = (mesh.mesh.points.iter().zip(&on_edge))
+            .filter(|(_, on)| **on)
+            .map(|(p, _)| *p)
+            .collect();
+        let (mut several, mut took) = (0, std::time::Duration::ZERO);
+        let count = 1_500;
+        for _ in 0..count {
+            let p = edges[random.below(edges.len())];
+            let foot = rig.solver.closest(&rig.part, &p).expect("finite");
+            let tiny = 10f64.powf(random.float(-14.0, -3.0)) * size;
+            let q = p + foot.normal * (0.01 * size * random.unit()) + random.vector() * tiny;
+            let closest = rig.solver.closest(&rig.part, &q).expect("finite");
+            let radius = closest.distance + 1e-4 * size;
+            let start = std::time::Instant::now();
+            let found = rig.ball(&q, radius, &touch()).len();
+            took += start.elapsed();
+            let depth = rig.set.deepest().map(|c| c.depth_m);
+            let right = match closest.signed_distance {
+                Some(signed) if signed < 0.0 => radius + closest.distance,
+                _ => radius - closest.distance,
+            };
+            assert!(
+                depth.is_some_and(|d| (d - right).abs() < 1e-12),
+                "{name}: {depth:?} for {right} at {q}"
+            );
+            several += usize::from(found > 1);
+        }
+        println!(
+            "{name}: {} of {count} only by the closest point, {several} with several contacts, {:.1} µs each",
+            rig.scratch.minima.missed,
+            took.as_secs_f64() * 1e6 / f64::from(count),
+        );
+    }
 }
 
 #[test]
@@ -436,6 +549,25 @@ fn a_part_rests_on_all_its_corners() {
         assert_eq!(found.len(), 4, "{found:?}");
         let found = rig.plane(&Point3::new(0.0, 0.0, 1e-4), &up, &touch());
         assert!(found.len() >= 8, "{found:?}");
+
+        let ring = Carrier::Torus {
+            axes: axes([0.0; 3], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]),
+            major_m: 0.02,
+            minor_m: 0.005,
+        };
+        let mut rig = Rig::new(&whole(ring), &mut random);
+        let found = rig.plane(&Point3::new(0.0, 0.0, -0.0049), &up, &touch());
+        assert_eq!(found.len(), 8, "{found:?}");
+        let tilted = Vector3::new(0.01, 0.0, 1.0).normalize();
+        let found = rig.plane(&Point3::new(0.0, 0.0, -0.005), &tilted, &touch());
+        assert!(matches!(found[0].point, ToolPoint::Deepest { by_m } if by_m < 2e-5));
+        let right = 0.02 * tilted.x - 0.005 * (tilted.z - 1.0);
+        assert!((found[0].depth_m - right).abs() < 1e-6, "{right} {found:?}");
+
+        let mut rig = Rig::new(&cone(), &mut random);
+        let found = rig.plane(&Point3::new(0.0, 0.0, 0.0099), &-up, &touch());
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert!((found[0].depth_m - 1e-4).abs() < 1e-15, "{found:?}");
     }
 }
 
@@ -449,7 +581,8 @@ fn half_spaces_against_parts_are_as_deep_as_their_lowest_points() {
             .part
             .triangles(1e-3 * size, 1_000_000)
             .expect("triangles");
-        let most = mesh.deviation_m + 4.0 * rig.part.gap_m() + 1e-9 * size;
+        let gap = rig.part.gap_m();
+        let most = mesh.deviation_m + 4.0 * gap + 1e-9 * size;
         let (mut contacts, mut empty) = (0, 0);
         for _ in 0..100 {
             let Some(normal) = random.vector().try_normalize(0.1) else {
@@ -462,10 +595,7 @@ fn half_spaces_against_parts_are_as_deep_as_their_lowest_points() {
             let found = rig.plane(&place, &normal, &touch());
             let depth = found.first().map_or(f64::NEG_INFINITY, |c| c.depth_m);
             let off = depth - 0.02 * size;
-            assert!(
-                off >= -1e-9 * size - 2.0 * rig.part.gap_m(),
-                "{name}: {off:e} {found:?}"
-            );
+            assert!(off >= -1e-9 * size - 2.0 * gap, "{name}: {off:e} {found:?}");
             assert!(off <= most, "{name}: {off:e} of {most:e}, {found:?}");
             contacts += found.len();
             empty += usize::from(found.is_empty());
