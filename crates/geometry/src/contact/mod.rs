@@ -3,6 +3,7 @@
 //! ```text
 //! broad             pairs whose boxes meet
 //! exact, implicit,  contacts of one tool shape with a surface, certified or polished to rounding
+//! part              … with a part: faces, edges and vertices
 //! mesh, pair, own   … of a mesh, of two surfaces, of a surface with itself
 //! features          … of corners and edges of a tool, where it has no normal
 //! spheres           the same on sampled points, as fast or as exact as their number

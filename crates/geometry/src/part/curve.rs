@@ -330,6 +330,90 @@ impl EdgeCurve {
         best
     }
 
+    /// Every local minimum of the distance between its ends that is nearer than the root of `ceiling` (m²). One may come twice.
+    pub fn minima_within(&self, q: &Point3, ceiling: f64, mut offer: impl FnMut(OnCurve)) {
+        match &self.shape {
+            Shape::Line | Shape::Circle(..) => {
+                let found = self.closest(q, ceiling);
+                if let Some(found) = found.filter(|found| self.end(found.at).is_none()) {
+                    offer(found);
+                }
+            }
+            Shape::Free => self.rising(
+                |points| (box_squared(points, q) < ceiling).then(|| turning(points, q)),
+                |at| {
+                    if let Some(found) = on(self.point(at), at, q, ceiling) {
+                        offer(found);
+                    }
+                },
+            ),
+        }
+    }
+
+    /// Places between its ends that are farthest along a unit vector among their neighbours. One may come twice.
+    pub fn summits(&self, along: &Vector3, mut offer: impl FnMut((usize, f64))) {
+        match &self.shape {
+            Shape::Line => {}
+            Shape::Circle(axes, _, sweep) => {
+                let mut angle = libm::atan2(axes.y.dot(along), axes.x.dot(along));
+                if angle < 0.0 {
+                    angle += TAU;
+                }
+                if angle > 0.0 && angle < *sweep {
+                    offer(circle_place(angle, *sweep, self.segments()));
+                }
+            }
+            Shape::Free => self.rising(|points| Some(falling(points, along)), offer),
+        }
+    }
+
+    /// The axis of a circle.
+    pub fn axis(&self) -> Option<&Vector3> {
+        match &self.shape {
+            Shape::Circle(axes, ..) => Some(&axes.z),
+            Shape::Line | Shape::Free => None,
+        }
+    }
+
+    /// So many places of a circle, evenly over a whole turn from its first point on, where it has them.
+    pub fn round(&self, count: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let sweep = match &self.shape {
+            Shape::Circle(_, _, sweep) => *sweep,
+            Shape::Line | Shape::Free => 0.0,
+        };
+        (0..count)
+            .map(move |k| TAU * k as f64 / count as f64)
+            .take_while(move |angle| *angle < sweep)
+            .map(move |angle| circle_place(angle, sweep, self.segments()))
+    }
+
+    /// Places between the ends where a derivative, a polynomial for each segment that counts, turns from falling to rising.
+    fn rising(
+        &self,
+        derivative: impl Fn(&[Homogeneous]) -> Option<Polynomial>,
+        mut offer: impl FnMut((usize, f64)),
+    ) {
+        let mut fell = false;
+        for k in 0..self.segments() {
+            let Some(turn) = derivative(self.segment(k)) else {
+                fell = false;
+                continue;
+            };
+            let noise = 1e-14 * turn.most();
+            let [first, last] = turn.ends();
+            // Segments may meet at a corner.
+            if fell && first >= -noise {
+                offer((k, 0.0));
+            }
+            rises(&turn, noise, |t| {
+                if self.end((k, t)).is_none() {
+                    offer((k, t));
+                }
+            });
+            fell = last <= noise;
+        }
+    }
+
     /// Whether a place is one of the ends: `Some(true)` for the last.
     pub fn end(&self, (segment, t): (usize, f64)) -> Option<bool> {
         if segment == 0 && t <= 0.0 {
@@ -375,7 +459,15 @@ fn closest_of_segment(points: &[Homogeneous], q: &Point3, ceiling: f64) -> Optio
             *best = (Some(t), squared);
         }
     };
-    let mut waiting = [(turn, 0.0, 1.0); MOST_WAITING];
+    offer(0.0, &mut best);
+    offer(1.0, &mut best);
+    rises(&turn, noise, |t| offer(t, &mut best));
+    best.0.map(|t| (t, best.1))
+}
+
+/// Where a polynomial on [0, 1] turns from negative to positive, as far as its values exceed the noise.
+fn rises(turn: &Polynomial, noise: f64, mut offer: impl FnMut(f64)) {
+    let mut waiting = [(*turn, 0.0, 1.0); MOST_WAITING];
     let mut count = 1;
     while count > 0 {
         count -= 1;
@@ -383,11 +475,8 @@ fn closest_of_segment(points: &[Homogeneous], q: &Point3, ceiling: f64) -> Optio
         let changes = part.variations(noise);
         if changes <= 1 || count + 2 > MOST_WAITING {
             let [first, last] = part.ends();
-            for t in [t0, t1].into_iter().filter(|&t| t == 0.0 || t == 1.0) {
-                offer(t, &mut best);
-            }
             if first <= noise && last >= -noise {
-                offer(t0 + (t1 - t0) * part.root(), &mut best);
+                offer(t0 + (t1 - t0) * part.root());
             }
             continue;
         }
@@ -397,7 +486,6 @@ fn closest_of_segment(points: &[Homogeneous], q: &Point3, ceiling: f64) -> Optio
         waiting[count + 1] = (low, t0, middle);
         count += 2;
     }
-    best.0.map(|t| (t, best.1))
 }
 
 /// Parts of a segment that wait at once: each is half as long as the one before.
@@ -422,6 +510,21 @@ fn turning(points: &[Homogeneous], q: &Point3) -> Polynomial {
         }
     }
     all.unwrap_or(weight)
+}
+
+/// The derivative of the height against a direction, times a power of the weight.
+fn falling(points: &[Homogeneous], along: &Vector3) -> Polynomial {
+    let weight = Polynomial::of(points, 3);
+    let far: Polynomial = points
+        .iter()
+        .map(|h| -(0..3).map(|k| along[k] * h[k]).sum::<f64>())
+        .collect();
+    if points.iter().all(|h| h[3] == 1.0) {
+        return far.derivative();
+    }
+    let mut turn = far.derivative().times(&weight);
+    turn.add(-1.0, &far.times(&weight.derivative()));
+    turn
 }
 
 /// Squared distance from a point to the box around control points, m².

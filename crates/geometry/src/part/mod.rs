@@ -11,6 +11,7 @@ mod chart;
 mod closest;
 mod curve;
 mod measure;
+mod minima;
 #[expect(clippy::module_inception)]
 mod part;
 mod pcurve;
@@ -24,9 +25,12 @@ pub use carrier::{Axes, Carrier};
 pub use closest::{PartFoot, PartSolver, Support};
 pub use curve::CurveProblem;
 pub use measure::PartMeasure;
+pub(crate) use minima::{Mark, PartMinima};
 pub use part::{FaceInfo, Part, PartError};
 pub use triangles::{PartMesh, TrianglesError};
 pub use trim::TrimProblem;
 
+#[cfg(test)]
+pub(crate) mod hand;
 #[cfg(test)]
 mod tests;

@@ -59,6 +59,8 @@ pub enum PartError {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Side {
     pub face: u32,
+    /// Who walks from the edge's first vertex to its last, on the side of the face's normal, has the face on the left.
+    pub forward: bool,
     /// On B-splines.
     pub pcurve: Option<PCurve>,
 }
@@ -287,7 +289,7 @@ impl<'a> Build<'a> {
         for chain in &chains {
             let mut walk = Vec::new();
             for &(e, forward) in chain {
-                self.add_side(index, e, &chart, solver.as_mut())?;
+                self.add_side(index, (e, forward), &chart, solver.as_mut())?;
                 walk.extend(self.pieces(&chart, e, forward));
             }
             // On the carrier's own side the face is on the right where the senses differ.
@@ -371,7 +373,7 @@ impl<'a> Build<'a> {
     fn add_side(
         &mut self,
         face: u32,
-        e: u32,
+        (e, forward): (u32, bool),
         chart: &Chart,
         solver: Option<&mut ClosestSolver>,
     ) -> Result<(), PartError> {
@@ -403,7 +405,11 @@ impl<'a> Build<'a> {
             });
         }
         edge.gap_m = edge.gap_m.max(gap_m);
-        edge.sides.push(Side { face, pcurve });
+        edge.sides.push(Side {
+            face,
+            forward,
+            pcurve,
+        });
         Ok(())
     }
 

@@ -1,6 +1,6 @@
 //! Boxes in a tree: which items may be near a point.
 
-use crate::math::Point3;
+use crate::math::{Point3, Vector3};
 
 /// Corners of a box, m.
 pub(super) type Corners = (Point3, Point3);
@@ -70,11 +70,31 @@ impl Tree {
     }
 
     /// Looks at items, near ones first, whose boxes are nearer than the ceiling (m²) that `look` lowers.
-    pub fn nearest(&self, q: &Point3, ceiling: &mut f64, mut look: impl FnMut(u32, &mut f64)) {
+    pub fn nearest(&self, q: &Point3, ceiling: &mut f64, look: impl FnMut(u32, &mut f64)) {
+        self.least(|corners| squared(corners, q), ceiling, look);
+    }
+
+    /// Looks at items, low ones first, that may be lower than the ceiling (m): `down` is a unit vector, heights are measured
+    /// against it.
+    pub fn lowest(&self, down: &Vector3, ceiling: &mut f64, look: impl FnMut(u32, &mut f64)) {
+        let height = |(low, high): &Corners| -> f64 {
+            let parts = (0..3).map(|k| (down[k] * low[k]).max(down[k] * high[k]));
+            -parts.sum::<f64>()
+        };
+        self.least(height, ceiling, look);
+    }
+
+    /// Looks at items, least ones first, whose boxes have less than the ceiling.
+    fn least(
+        &self,
+        of: impl Fn(&Corners) -> f64,
+        ceiling: &mut f64,
+        mut look: impl FnMut(u32, &mut f64),
+    ) {
         let Some(last) = self.nodes.len().checked_sub(1) else {
             return;
         };
-        let far = |k: u32| squared(&self.nodes[k as usize].corners, q);
+        let far = |k: u32| of(&self.nodes[k as usize].corners);
         // Deep enough for 2³² items; the far one of two waits.
         let mut waiting = [(0u32, 0.0f64); 64];
         let mut count = 1;
