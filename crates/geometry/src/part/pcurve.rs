@@ -195,7 +195,7 @@ impl Tracer<'_> {
 }
 
 /// a and b for which a du + b dv is nearest to a direction.
-fn solved(du: &Vector3, dv: &Vector3, to: &Vector3) -> [f64; 2] {
+pub(super) fn solved(du: &Vector3, dv: &Vector3, to: &Vector3) -> [f64; 2] {
     let (uu, uv, vv) = (du.norm_squared(), du.dot(dv), dv.norm_squared());
     let (u, v) = (du.dot(to), dv.dot(to));
     let whole = uu * vv - uv * uv;
