@@ -174,6 +174,9 @@ impl PartSolver {
             match (&face.carrier, &mut splines[k as usize]) {
                 (Carrier::Spline(surface), Some(solver)) => {
                     let within = ceiling.sqrt();
+                    // A copy of the scratch begins without room.
+                    feet.clear();
+                    feet.reserve(MOST_FEET);
                     certified &= solver.minima_within(surface, q, within, feet);
                     // Where the B-spline ends, an edge is as near.
                     let inner = feet

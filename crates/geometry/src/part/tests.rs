@@ -4,7 +4,7 @@ use super::*;
 use crate::math::{Matrix3, Point3, Random, Vector3};
 use std::f64::consts::PI;
 
-fn axes(origin: [f64; 3], z: [f64; 3], x: [f64; 3]) -> Axes {
+pub(super) fn axes(origin: [f64; 3], z: [f64; 3], x: [f64; 3]) -> Axes {
     Axes::new(
         Point3::from(origin),
         &Vector3::from(z),
@@ -98,7 +98,7 @@ impl Maker {
 }
 
 /// 60 × 40 × 20 mm with a hole of radius 8 mm through it.
-fn drilled() -> Brep {
+pub(super) fn drilled() -> Brep {
     let mut maker = Maker::default();
     let (w, d, h, r) = (0.06, 0.04, 0.02, 0.008);
     let middle = |z: f64| [0.03, 0.02, z];
@@ -133,7 +133,7 @@ fn drilled() -> Brep {
 }
 
 /// A cone of 45° on its base, apex up, with a seam or a loop of a single vertex.
-fn cone() -> Brep {
+pub(super) fn cone() -> Brep {
     let mut maker = Maker::default();
     let base = maker.circle(axes([0.0; 3], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]), 0.01);
     let apex = maker.vertex([0.0, 0.0, 0.01]);
@@ -150,7 +150,7 @@ fn cone() -> Brep {
 }
 
 /// The upper half of a ball.
-fn dome() -> Brep {
+pub(super) fn dome() -> Brep {
     let mut maker = Maker::default();
     let rim = maker.circle(axes([0.0; 3], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]), 0.01);
     let sphere = Carrier::Sphere {
@@ -164,7 +164,7 @@ fn dome() -> Brep {
 }
 
 /// A quarter of a ring of round wire.
-fn bend() -> Brep {
+pub(super) fn bend() -> Brep {
     let mut maker = Maker::default();
     let (major, minor) = (0.02, 0.005);
     let first = axes([major, 0.0, 0.0], [0.0, -1.0, 0.0], [1.0, 0.0, 0.0]);
@@ -189,7 +189,7 @@ fn bend() -> Brep {
     maker.solid()
 }
 
-fn whole(carrier: Carrier) -> Brep {
+pub(super) fn whole(carrier: Carrier) -> Brep {
     let mut maker = Maker::default();
     maker.face(carrier, true, vec![]);
     maker.solid()

@@ -173,7 +173,11 @@ impl PartSolver {
             None => {
                 let seed = last.and_then(|(face, uv)| self.seed(part, q, face, uv, None));
                 let (best, certified) = self.search(part, q, None, seed);
-                (best?, certified)
+                let Some(best) = best else {
+                    warm.budget_m = 0.0;
+                    return None;
+                };
+                (best, certified)
             }
         };
         let foot = answer(part, q, &best, certified);
@@ -449,3 +453,6 @@ fn plain(part: &Part, best: &Best) -> Option<(u32, [f64; 2])> {
         .map(|side| side.face)
         .find_map(|face| Some((face, kept(part, face, best)?)))
 }
+
+#[cfg(test)]
+mod tests;
