@@ -6,8 +6,9 @@ use super::{Cases, Effort, Row};
 use crate::peers::python;
 use palpate_geometry::exchange::Format;
 use palpate_geometry::exchange::step::{PartPick, read_part};
-use palpate_geometry::math::Point3;
+use palpate_geometry::math::{Point3, Random, Vector3};
 use palpate_geometry::part::{Part, PartSolver};
+use palpate_geometry::surface::WarmFoot;
 use std::fmt::Write;
 use std::path::Path;
 use std::time::Duration;
@@ -167,6 +168,7 @@ fn one(effort: Effort, input: &Input, case: &str, out: &mut dyn FnMut(Row)) {
                 took.as_secs_f64() * 1e3
             ))
     });
+    out(warm(&part, calls, row("palpate warm")));
     let asked = serde_json::json!({ "step": input.step, "points": points_mm[..calls] });
     if let Some(answer) = python::answer::<Peer>(SCRIPT, &asked) {
         let peer = Row {
@@ -191,5 +193,48 @@ fn one(effort: Effort, input: &Input, case: &str, out: &mut dyn FnMut(Row)) {
                 }
             }
         });
+    }
+}
+
+/// Warm queries along a smooth path that keeps within a twentieth of the size of the part, at 20 to 200 mm/s and 1 kHz.
+/// Wrong are those whose distance is not that of the cold query, to 1e-12 of the size.
+fn warm(part: &Part, calls: usize, row: Row) -> Row {
+    let size_m = part.size_m();
+    let (mut cold, mut solver) = (PartSolver::new(part), PartSolver::new(part));
+    let mut random = Random(20);
+    let (low, high) = part.bounds();
+    let mut q = high;
+    let (mut last, mut heading) = (q, (low - high).normalize());
+    let mut foot = WarmFoot::default();
+    let (mut worst_m, mut wrong) = (0.0f64, 0);
+    let times = time(calls, Duration::from_secs(5), |_| {
+        heading = (heading + 0.2 * random.vector())
+            .try_normalize(0.0)
+            .unwrap_or_else(Vector3::x);
+        q += heading * random.float(2e-5, 2e-4);
+        if let Some(near) = cold.closest(part, &q)
+            && near.distance > 0.05 * size_m
+        {
+            // Back towards the part.
+            heading = (near.point - q) / near.distance;
+        }
+        let moved_m = (q - last).norm();
+        last = q;
+        let (took, found) = clocked(|| solver.closest_warm_moved(part, &q, moved_m, &mut foot));
+        let right = cold.closest(part, &q);
+        let off_m = match (found, right) {
+            (Some(found), Some(right)) => (found.distance - right.distance).abs(),
+            (None, None) => 0.0,
+            _ => f64::INFINITY,
+        };
+        worst_m = worst_m.max(off_m);
+        wrong += usize::from(off_m.is_nan() || off_m > 1e-12 * size_m);
+        took
+    });
+    Row {
+        wrong: Some(wrong),
+        ..row
+            .timed(times)
+            .off_by(worst_m / size_m, "of the size, from the cold query")
     }
 }

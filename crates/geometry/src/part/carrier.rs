@@ -247,6 +247,34 @@ impl Carrier {
 }
 
 impl Carrier {
+    /// Whether a place of the surface may be nearer than the root of `ceiling` (m²); rounding counts as nearer.
+    pub(super) fn may_be_within(&self, point: &Point3, ceiling: f64) -> bool {
+        let floor_m = self.distance_floor_m(point);
+        floor_m * floor_m * (1.0 - 1e-9) <= ceiling
+    }
+
+    /// No place of the surface is nearer than this, m: the distance of the foot on planes, cylinders, spheres and tori, to
+    /// rounding; 0 on others.
+    fn distance_floor_m(&self, point: &Point3) -> f64 {
+        let Some(axes) = self.axes() else {
+            return 0.0;
+        };
+        let local = axes.to_local(point);
+        let rho = || (local.x * local.x + local.y * local.y).sqrt();
+        match self {
+            Self::Plane(_) => local.z.abs(),
+            Self::Cylinder { radius_m, .. } => (rho() - radius_m).abs(),
+            Self::Sphere { radius_m, .. } => (local.norm() - radius_m).abs(),
+            Self::Torus {
+                major_m, minor_m, ..
+            } => {
+                let out = rho() - major_m;
+                ((out * out + local.z * local.z).sqrt() - minor_m).abs()
+            }
+            Self::Cone { .. } | Self::Spline(_) => 0.0,
+        }
+    }
+
     /// Places at which a box around the face may touch it away from its edges: where the normal is along an axis of the
     /// world. None on surfaces that are straight in one direction, which lie between their edges.
     pub(super) fn summits(&self) -> Vec<[f64; 2]> {

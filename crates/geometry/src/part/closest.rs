@@ -4,7 +4,9 @@
 //! an edge. So the certificate of the carriers carries over, and no bound has to know the loops.
 
 use super::carrier::Carrier;
-use super::part::Part;
+use super::part::{Edge, Part};
+use super::tree::Tree;
+use super::warm::Near;
 use crate::math::{Point3, Vector3};
 use crate::surface::{ClosestPoint, ClosestSolver};
 
@@ -65,21 +67,25 @@ pub struct PartFoot {
 #[derive(Clone, Debug)]
 pub struct PartSolver {
     /// By face: for those on B-splines.
-    splines: Vec<Option<Box<ClosestSolver>>>,
+    pub(super) splines: Vec<Option<Box<ClosestSolver>>>,
     feet: Vec<ClosestPoint>,
+    /// What is around each face and each vertex; of the part alone.
+    pub(super) near: Near,
 }
 
 /// The best so far.
-#[derive(Clone, Copy)]
-struct Best {
-    point: Point3,
-    support: Support,
-    at: At,
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Best {
+    pub point: Point3,
+    pub support: Support,
+    pub at: At,
+    /// From the query, m².
+    pub squared: f64,
 }
 
 /// Where on its support.
-#[derive(Clone, Copy)]
-enum At {
+#[derive(Clone, Copy, Debug)]
+pub(super) enum At {
     Face([f64; 2]),
     /// The edge, its segment and the parameter there; of a vertex that it ends at as well.
     Edge(u32, (usize, f64)),
@@ -100,7 +106,14 @@ impl PartSolver {
                 .map(|face| solver(&face.carrier))
                 .collect(),
             feet: Vec::with_capacity(MOST_FEET),
+            near: Near::new(part),
         }
+    }
+
+    /// Pieces of B-splines that searches gave up so far.
+    pub fn given_up(&self) -> u64 {
+        let solvers = self.splines.iter().flatten();
+        solvers.map(|solver| solver.pieces_given_up()).sum()
     }
 
     /// The closest point of a part; `part` is that of which the scratch was made. `None` where the query is not finite.
@@ -108,46 +121,47 @@ impl PartSolver {
         if !q.iter().all(|x| x.is_finite()) {
             return None;
         }
-        let mut best: Option<Best> = None;
-        let mut ceiling = f64::INFINITY;
-        part.wires.nearest(q, &mut ceiling, |item, ceiling| {
-            let Some(edge) = part.edges.get(item as usize) else {
-                let v = part.lone[item as usize - part.edges.len()];
-                let point = part.vertices[v as usize].point;
-                let squared = (q - point).norm_squared();
-                if squared < *ceiling {
-                    *ceiling = squared;
-                    best = Some(Best {
-                        point,
-                        support: Support::Vertex(v),
-                        at: At::Alone,
-                    });
-                }
-                return;
-            };
-            if edge.sides.is_empty() {
-                return;
-            }
-            if let Some(on) = edge.curve.closest(q, *ceiling) {
-                *ceiling = on.squared;
-                let support = match edge.curve.end(on.at) {
-                    Some(last) => Support::Vertex(edge.ends[usize::from(last)]),
-                    None => Support::Edge(item),
-                };
-                best = Some(Best {
-                    point: on.point,
-                    support,
-                    at: At::Edge(item, on.at),
-                });
-            }
+        let (best, certified) = self.search(part, q, None, None);
+        best.map(|best| answer(part, q, &best, certified))
+    }
+
+    /// The nearest of a part, or of what is around one of its faces, and whether nothing can have been passed over. The seed is a
+    /// place of the part to begin with, and whether its face has no nearer one.
+    pub(super) fn search(
+        &mut self,
+        part: &Part,
+        q: &Point3,
+        around: Option<u32>,
+        seed: Option<(Best, bool)>,
+    ) -> (Option<Best>, bool) {
+        let Self {
+            splines,
+            feet,
+            near,
+        } = self;
+        let (wires, skin) = match around {
+            Some(face) => near.trees(face),
+            None => (&part.wires, &part.skin),
+        };
+        let mut best = seed.map(|(best, _)| best);
+        nearest_wire(part, q, wires, &mut best);
+        let mut ceiling = best.map_or_else(
+            || {
+                // A part of whole spheres and tori has no edge to begin with.
+                let (low, high) = part.bounds();
+                (q - low).sup(&(high - q)).norm_squared()
+            },
+            |best| best.squared,
+        );
+        let known = seed.and_then(|(best, known)| match best.support {
+            Support::Face(k) if known => Some(k),
+            _ => None,
         });
-        if best.is_none() {
-            // A part of whole spheres and tori has no edge to begin with.
-            let (low, high) = part.bounds();
-            ceiling = (q - low).sup(&(high - q)).norm_squared();
-        }
         let mut certified = true;
-        part.skin.nearest(q, &mut ceiling, |k, ceiling| {
+        skin.nearest(q, &mut ceiling, |k, ceiling| {
+            if known == Some(k) {
+                return;
+            }
             let face = &part.faces[k as usize];
             let mut offer = |point: Point3, uv: [f64; 2], ceiling: &mut f64| {
                 let squared = (q - point).norm_squared();
@@ -158,17 +172,20 @@ impl PartSolver {
                         point,
                         support: Support::Face(k),
                         at: At::Face(uv),
+                        squared,
                     });
                 }
                 nearer
             };
-            match (&face.carrier, &mut self.splines[k as usize]) {
+            match (&face.carrier, &mut splines[k as usize]) {
                 (Carrier::Spline(surface), Some(solver)) => {
                     let within = ceiling.sqrt();
-                    certified &= solver.minima_within(surface, q, within, &mut self.feet);
+                    // A copy of the scratch begins without room.
+                    feet.clear();
+                    feet.reserve(MOST_FEET);
+                    certified &= solver.minima_within(surface, q, within, feet);
                     // Where the B-spline ends, an edge is as near.
-                    let inner = self
-                        .feet
+                    let inner = feet
                         .iter()
                         .filter(|foot| !face.carrier.is_on_rim(&face.rims, [foot.u, foot.v]));
                     for foot in inner {
@@ -178,47 +195,63 @@ impl PartSolver {
                     }
                 }
                 (carrier, _) => {
-                    if let Some(uv) = carrier.foot(q) {
+                    if carrier.may_be_within(q, *ceiling)
+                        && let Some(uv) = carrier.foot(q)
+                    {
                         offer(carrier.point(uv), uv, ceiling);
                     }
                 }
             }
         });
-        best.map(|best| answer(part, q, &best, certified))
+        (best, certified)
     }
 }
 
-// PROVISIONAL
-impl PartSolver {
-    pub fn given_up(&self) -> u64 {
-        self.splines
-            .iter()
-            .flatten()
-            .map(|s| s.pieces_given_up())
-            .sum()
+/// The nearest edge or lone vertex of a tree, if it is nearer than what is known.
+pub(super) fn nearest_wire(part: &Part, q: &Point3, wires: &Tree, best: &mut Option<Best>) {
+    let mut ceiling = best.map_or(f64::INFINITY, |best| best.squared);
+    wires.nearest(q, &mut ceiling, |item, ceiling| {
+        if let Some(found) = wire(part, q, item, *ceiling) {
+            *ceiling = found.squared;
+            *best = Some(found);
+        }
+    });
+}
+
+/// The closest point of an edge, or a lone vertex, where it is nearer than the root of `ceiling` (m²).
+pub(super) fn wire(part: &Part, q: &Point3, item: u32, ceiling: f64) -> Option<Best> {
+    let Some(edge) = part.edges.get(item as usize) else {
+        let v = part.lone[item as usize - part.edges.len()];
+        let point = part.vertices[v as usize].point;
+        let squared = (q - point).norm_squared();
+        return (squared < ceiling).then_some(Best {
+            point,
+            support: Support::Vertex(v),
+            at: At::Alone,
+            squared,
+        });
+    };
+    if edge.sides.is_empty() {
+        return None;
     }
-    pub fn closest_warm_moved(
-        &mut self,
-        part: &Part,
-        q: &Point3,
-        _moved_m: f64,
-        warm: &mut crate::surface::WarmFoot,
-    ) -> Option<PartFoot> {
-        let foot = self.closest(part, q)?;
-        *warm = crate::surface::WarmFoot {
-            u: foot.place[0],
-            v: foot.place[1],
-            budget_m: 0.0,
-            net_cost: 1.0,
-        };
-        Some(foot)
-    }
-    pub fn local(&self, part: &Part, q: &Point3, _place: [f64; 2]) -> Option<PartFoot> {
-        self.clone().closest(part, q)
+    let on = edge.curve.closest(q, ceiling)?;
+    Some(Best {
+        point: on.point,
+        support: support(edge, item, on.at),
+        at: At::Edge(item, on.at),
+        squared: on.squared,
+    })
+}
+
+/// A place of an edge, or the vertex that it is.
+fn support(edge: &Edge, item: u32, at: (usize, f64)) -> Support {
+    match edge.curve.end(at) {
+        Some(last) => Support::Vertex(edge.ends[usize::from(last)]),
+        None => Support::Edge(item),
     }
 }
 
-fn answer(part: &Part, q: &Point3, best: &Best, certified: bool) -> PartFoot {
+pub(super) fn answer(part: &Part, q: &Point3, best: &Best, certified: bool) -> PartFoot {
     let distance = (q - best.point).norm();
     let (face, uv) = match best.at {
         At::Face(uv) => (best.support.index(), uv),

@@ -19,6 +19,7 @@ mod place;
 mod tree;
 mod triangles;
 mod trim;
+mod warm;
 
 pub use brep::{Brep, BrepBound, BrepCurve, BrepEdge, BrepFace, BrepShell, OutOfRange, Placing};
 pub use carrier::{Axes, Carrier};

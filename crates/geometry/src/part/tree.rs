@@ -27,12 +27,30 @@ enum Holds {
 impl Tree {
     /// Over items by their boxes.
     pub fn new(boxes: &[Corners]) -> Self {
+        Self::over(boxes, (0..boxes.len() as u32).collect())
+    }
+
+    /// Over some items of those that have boxes.
+    pub fn over(boxes: &[Corners], mut items: Vec<u32>) -> Self {
         let mut tree = Self::default();
-        let mut items: Vec<u32> = (0..boxes.len() as u32).collect();
         if !items.is_empty() {
             tree.build(boxes, &mut items);
         }
         tree
+    }
+
+    /// The boxes it was made of, by item; those of all items are in it.
+    pub fn boxes(&self) -> Vec<Corners> {
+        let mut all: Vec<(u32, Corners)> = self
+            .nodes
+            .iter()
+            .filter_map(|node| match node.holds {
+                Holds::Item(item) => Some((item, node.corners)),
+                Holds::Nodes(..) => None,
+            })
+            .collect();
+        all.sort_unstable_by_key(|&(item, _)| item);
+        all.into_iter().map(|(_, corners)| corners).collect()
     }
 
     fn build(&mut self, boxes: &[Corners], items: &mut [u32]) -> u32 {
@@ -120,7 +138,7 @@ impl Tree {
 }
 
 /// Squared distance from a point to a box, m².
-fn squared((low, high): &Corners, q: &Point3) -> f64 {
+pub(super) fn squared((low, high): &Corners, q: &Point3) -> f64 {
     (0..3)
         .map(|k| (low[k] - q[k]).max(q[k] - high[k]).max(0.0))
         .map(|d| d * d)

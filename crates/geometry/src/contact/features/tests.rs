@@ -7,7 +7,7 @@ use crate::contact::mesh::MeshTool;
 use crate::contact::{Contact, Reach, ToolPoint, ToolShape};
 use crate::math::{Pose, Random, Rotation, Vector3, rotation_by};
 use crate::skin::{Skin, SkinSolver};
-use crate::surface::{ClosestSolver, Surface, builtin};
+use crate::surface::{Surface, builtin};
 
 const MARGIN_M: f64 = 1e-5;
 
