@@ -321,6 +321,11 @@ impl PartSolver {
         }
         let (face, uv) = part.on_face(place);
         let mut here = self.on(part, q, face, uv)?;
+        // A descent that only found something farther did not arrive.
+        let slack_m = 2.0 * part.gap_m() + 1e-9 * part.size_m();
+        if here.squared.sqrt() > (q - part.point(place)).norm() + slack_m {
+            return None;
+        }
         for _ in 0..MOST_HOPS {
             if matches!(here.support, Support::Face(_)) {
                 return Some(answer(part, q, &here, false));
