@@ -565,7 +565,8 @@ impl PartMinima {
             if into > -slack {
                 weak = true;
                 let step = beside(face, uv, &(inward * step_m));
-                if aim.gain(&way, &step) > slack * step.norm() {
+                let rough = 2.0 * edge.gap_m * way.norm();
+                if aim.gain(&way, &step) > slack * step.norm() + rough {
                     return;
                 }
             }
@@ -664,7 +665,9 @@ impl PartMinima {
             weak |= into > -slack;
         }
         let most = if resting { RESTING } else { slack };
-        let leads = |step: &Vector3| aim.gain(&way, step) > most * step.norm();
+        // Faces may be off by the gap more or less where the step ends.
+        let rough = 2.0 * fan.gap_m * way.norm();
+        let leads = |step: &Vector3| aim.gain(&way, step) > most * step.norm() + rough;
         (!fan.beside.iter().any(leads)).then_some(weak)
     }
 
