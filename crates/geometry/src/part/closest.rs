@@ -5,6 +5,7 @@
 
 use super::carrier::Carrier;
 use super::part::Part;
+use super::tree::Tree;
 use crate::math::{Point3, Vector3};
 use crate::surface::{ClosestPoint, ClosestSolver};
 
@@ -93,24 +94,42 @@ impl PartSolver {
             Carrier::Spline(surface) => Some(Box::new(ClosestSolver::new(surface))),
             _ => None,
         };
-        Self {
-            splines: part
-                .faces
-                .iter()
+        Self::with(
+            (part.faces.iter())
                 .map(|face| solver(&face.carrier))
                 .collect(),
+        )
+    }
+
+    /// With the scratch of its B-splines, by face.
+    pub(super) fn with(splines: Vec<Option<Box<ClosestSolver>>>) -> Self {
+        Self {
+            splines,
             feet: Vec::with_capacity(MOST_FEET),
         }
     }
 
     /// The closest point of a part; `part` is that of which the scratch was made. `None` where the query is not finite.
     pub fn closest(&mut self, part: &Part, q: &Point3) -> Option<PartFoot> {
+        self.closest_in(part, [&part.wires, &part.skin], &|_, item| item, q)
+    }
+
+    /// The closest point of some of a part's faces: trees over edges and lone vertices and over faces, and which one of the
+    /// part's each item of a tree is (0: of the first tree, 1: of the second one).
+    pub(super) fn closest_in(
+        &mut self,
+        part: &Part,
+        [wires, skin]: [&Tree; 2],
+        own: &impl Fn(usize, u32) -> u32,
+        q: &Point3,
+    ) -> Option<PartFoot> {
         if !q.iter().all(|x| x.is_finite()) {
             return None;
         }
         let mut best: Option<Best> = None;
         let mut ceiling = f64::INFINITY;
-        part.wires.nearest(q, &mut ceiling, |item, ceiling| {
+        wires.nearest(q, &mut ceiling, |item, ceiling| {
+            let item = own(0, item);
             let Some(edge) = part.edges.get(item as usize) else {
                 let v = part.lone[item as usize - part.edges.len()];
                 let point = part.vertices[v as usize].point;
@@ -147,7 +166,8 @@ impl PartSolver {
             ceiling = (q - low).sup(&(high - q)).norm_squared();
         }
         let mut certified = true;
-        part.skin.nearest(q, &mut ceiling, |k, ceiling| {
+        skin.nearest(q, &mut ceiling, |k, ceiling| {
+            let k = own(1, k);
             let face = &part.faces[k as usize];
             let mut offer = |point: Point3, uv: [f64; 2], ceiling: &mut f64| {
                 let squared = (q - point).norm_squared();

@@ -15,6 +15,7 @@ mod measure;
 mod part;
 mod pcurve;
 mod place;
+mod senses;
 mod tree;
 mod triangles;
 mod trim;
@@ -25,6 +26,7 @@ pub use closest::{PartFoot, PartSolver, Support};
 pub use curve::CurveProblem;
 pub use measure::PartMeasure;
 pub use part::{FaceInfo, Part, PartError};
+pub use senses::{SenseProblem, Senses};
 pub use triangles::{PartMesh, TrianglesError};
 pub use trim::TrimProblem;
 

@@ -1,5 +1,7 @@
 //! Boundaries by hand, against closed forms and brute force.
 
+mod senses;
+
 use super::*;
 use crate::math::{Matrix3, Point3, Random, Vector3};
 use std::f64::consts::PI;
