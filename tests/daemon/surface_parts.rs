@@ -74,6 +74,7 @@ fn info_lists_the_faces_of_parts_with_areas_and_volume() {
         assert!(near(&info["volume"], &known["volume"], 1e-9), "{name}");
         assert!(info["gap"].as_f64().unwrap() < 1e-9, "{name}");
         assert_eq!(info["left_out"]["faces"], 0, "{name}");
+        assert_eq!(info["turned"], 0, "{name}");
     }
     let (step, _) = part("assembly");
     let pin = ["info", &step, "--part", "pin", "--instance", "2", "--json"];

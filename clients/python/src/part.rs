@@ -66,12 +66,12 @@ impl Part {
             let made = part::Part::new(&read.brep).map_err(|error| wrong(error.to_string()))?;
             Ok(Self {
                 measure: made.measure(),
-                inner: Arc::new(made),
                 left_out: match read.left_out.is_nothing() {
                     true => String::new(),
                     false => read.left_out.to_string(),
                 },
-                notes: read.notes,
+                notes: [read.notes, made.senses().notes()].concat(),
+                inner: Arc::new(made),
             })
         })
     }
@@ -113,6 +113,12 @@ impl Part {
     #[getter]
     fn closed(&self) -> bool {
         self.inner.is_closed()
+    }
+
+    /// How many faces are turned: their sense, or the direction of their loops, is wrong in the file.
+    #[getter]
+    fn turned(&self) -> usize {
+        self.inner.turned_faces()
     }
 
     /// What the file says and the part has not; empty if nothing.

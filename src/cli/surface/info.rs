@@ -172,7 +172,7 @@ fn part_report(loaded: &LoadedPart) -> serde_json::Value {
         "bounds": [corner(low), corner(high)], "size": part.size_m() * per_metre,
         "area": measure.area_m2 * per_metre.powi(2),
         "volume": measure.volume_m3.map(|volume| volume * per_metre.powi(3)),
-        "gap": part.gap_m() * per_metre,
+        "gap": part.gap_m() * per_metre, "turned": part.turned_faces(),
         "left_out": {
             "faces": left_out.faces.values().sum::<usize>(), "kinds": left_out.faces, "errors": left_out.errors,
             "solids": left_out.solids, "lone_faces": left_out.lone_faces, "wireframes": left_out.wireframes,
@@ -227,4 +227,8 @@ fn part_info(args: &Args, loaded: &LoadedPart) {
         "  size {} {unit}, edges within {} {unit} of their faces",
         report["size"], report["gap"]
     );
+    let turned = loaded.part.turned_faces();
+    if turned > 0 {
+        println!("  turned faces (wrong way round in the file): {turned}");
+    }
 }

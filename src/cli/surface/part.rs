@@ -57,10 +57,12 @@ impl LoadedPart {
             unit,
             solids,
             left_out,
-            notes,
+            mut notes,
         } = imported;
+        let part = Part::new(&brep)?;
+        notes.extend(part.senses().notes());
         Ok(Self {
-            part: Part::new(&brep)?,
+            part,
             per_metre: super::per_metre(&unit),
             unit: unit.name().to_owned(),
             solids,

@@ -89,7 +89,8 @@ pub enum MeshFileError {
     },
     /// A binary file whose length is not that of its triangles, up to some filling.
     #[error(
-        "not an STL file: it is no text, and as binary, {triangles} triangles, as its header says, need {needed} bytes, not {bytes}"
+        "neither a text STL, which begins with the word solid, nor a binary one: its header counts {triangles} triangles, which need \
+         {needed} bytes, and the file has {bytes}; export it anew as STL, or rename it if it is in another format"
     )]
     Length {
         /// Bytes of the file.

@@ -150,8 +150,8 @@ pub enum StepError {
     },
     /// Edges that do not meet.
     #[error(
-        "#{id}: the loop is open by {gap_m:.3e} m behind edge #{edge}, more than {allowed_m:.3e} m: mend the part where the \
-         file comes from"
+        "#{id}: the loop is open by {gap_m:.3e} m behind edge #{edge}, more than {allowed_m:.3e} m: repair the part in the \
+         CAD system that wrote the file"
     )]
     OpenLoop {
         /// Number of the loop (`#id`) in the file.

@@ -100,13 +100,21 @@ impl PartSolver {
             _ => None,
         };
         Self {
-            splines: part
-                .faces
-                .iter()
-                .map(|face| solver(&face.carrier))
-                .collect(),
-            feet: Vec::with_capacity(MOST_FEET),
             near: Near::new(part),
+            ..Self::with(
+                (part.faces.iter())
+                    .map(|face| solver(&face.carrier))
+                    .collect(),
+            )
+        }
+    }
+
+    /// With the scratch of its B-splines, by face; it knows nothing of neighbours.
+    pub(super) fn with(splines: Vec<Option<Box<ClosestSolver>>>) -> Self {
+        Self {
+            splines,
+            feet: Vec::with_capacity(MOST_FEET),
+            near: Near::default(),
         }
     }
 
@@ -125,6 +133,21 @@ impl PartSolver {
         best.map(|best| answer(part, q, &best, certified))
     }
 
+    /// The closest point of some of a part's faces, which trees over edges and lone vertices and over faces hold.
+    pub(super) fn closest_in(
+        &mut self,
+        part: &Part,
+        trees: [&Tree; 2],
+        q: &Point3,
+    ) -> Option<PartFoot> {
+        if !q.iter().all(|x| x.is_finite()) {
+            return None;
+        }
+        let Self { splines, feet, .. } = self;
+        let (best, certified) = nearest(part, q, trees, splines, feet, None);
+        best.map(|best| answer(part, q, &best, certified))
+    }
+
     /// The nearest of a part, or of what is around one of its faces, and whether nothing can have been passed over. The seed is a
     /// place of the part to begin with, and whether its face has no nearer one.
     pub(super) fn search(
@@ -139,72 +162,84 @@ impl PartSolver {
             feet,
             near,
         } = self;
-        let (wires, skin) = match around {
+        let trees = match around {
             Some(face) => near.trees(face),
-            None => (&part.wires, &part.skin),
+            None => [&part.wires, &part.skin],
         };
-        let mut best = seed.map(|(best, _)| best);
-        nearest_wire(part, q, wires, &mut best);
-        let mut ceiling = best.map_or_else(
-            || {
-                // A part of whole spheres and tori has no edge to begin with.
-                let (low, high) = part.bounds();
-                (q - low).sup(&(high - q)).norm_squared()
-            },
-            |best| best.squared,
-        );
-        let known = seed.and_then(|(best, known)| match best.support {
-            Support::Face(k) if known => Some(k),
-            _ => None,
-        });
-        let mut certified = true;
-        skin.nearest(q, &mut ceiling, |k, ceiling| {
-            if known == Some(k) {
-                return;
-            }
-            let face = &part.faces[k as usize];
-            let mut offer = |point: Point3, uv: [f64; 2], ceiling: &mut f64| {
-                let squared = (q - point).norm_squared();
-                let nearer = squared < *ceiling && face.trim.contains(uv);
-                if nearer {
-                    *ceiling = squared;
-                    best = Some(Best {
-                        point,
-                        support: Support::Face(k),
-                        at: At::Face(uv),
-                        squared,
-                    });
-                }
-                nearer
-            };
-            match (&face.carrier, &mut splines[k as usize]) {
-                (Carrier::Spline(surface), Some(solver)) => {
-                    let within = ceiling.sqrt();
-                    // A copy of the scratch begins without room.
-                    feet.clear();
-                    feet.reserve(MOST_FEET);
-                    certified &= solver.minima_within(surface, q, within, feet);
-                    // Where the B-spline ends, an edge is as near.
-                    let inner = feet
-                        .iter()
-                        .filter(|foot| !face.carrier.is_on_rim(&face.rims, [foot.u, foot.v]));
-                    for foot in inner {
-                        if offer(foot.point, [foot.u, foot.v], ceiling) {
-                            break;
-                        }
-                    }
-                }
-                (carrier, _) => {
-                    if carrier.may_be_within(q, *ceiling)
-                        && let Some(uv) = carrier.foot(q)
-                    {
-                        offer(carrier.point(uv), uv, ceiling);
-                    }
-                }
-            }
-        });
-        (best, certified)
+        nearest(part, q, trees, splines, feet, seed)
     }
+}
+
+/// The nearest of what trees over edges and lone vertices and over faces hold, as [`PartSolver::search`].
+fn nearest(
+    part: &Part,
+    q: &Point3,
+    [wires, skin]: [&Tree; 2],
+    splines: &mut [Option<Box<ClosestSolver>>],
+    feet: &mut Vec<ClosestPoint>,
+    seed: Option<(Best, bool)>,
+) -> (Option<Best>, bool) {
+    let mut best = seed.map(|(best, _)| best);
+    nearest_wire(part, q, wires, &mut best);
+    let mut ceiling = best.map_or_else(
+        || {
+            // A part of whole spheres and tori has no edge to begin with.
+            let (low, high) = part.bounds();
+            (q - low).sup(&(high - q)).norm_squared()
+        },
+        |best| best.squared,
+    );
+    let known = seed.and_then(|(best, known)| match best.support {
+        Support::Face(k) if known => Some(k),
+        _ => None,
+    });
+    let mut certified = true;
+    skin.nearest(q, &mut ceiling, |k, ceiling| {
+        if known == Some(k) {
+            return;
+        }
+        let face = &part.faces[k as usize];
+        let mut offer = |point: Point3, uv: [f64; 2], ceiling: &mut f64| {
+            let squared = (q - point).norm_squared();
+            let nearer = squared < *ceiling && face.trim.contains(uv);
+            if nearer {
+                *ceiling = squared;
+                best = Some(Best {
+                    point,
+                    support: Support::Face(k),
+                    at: At::Face(uv),
+                    squared,
+                });
+            }
+            nearer
+        };
+        match (&face.carrier, &mut splines[k as usize]) {
+            (Carrier::Spline(surface), Some(solver)) => {
+                let within = ceiling.sqrt();
+                // A copy of the scratch begins without room.
+                feet.clear();
+                feet.reserve(MOST_FEET);
+                certified &= solver.minima_within(surface, q, within, feet);
+                // Where the B-spline ends, an edge is as near.
+                let inner = feet
+                    .iter()
+                    .filter(|foot| !face.carrier.is_on_rim(&face.rims, [foot.u, foot.v]));
+                for foot in inner {
+                    if offer(foot.point, [foot.u, foot.v], ceiling) {
+                        break;
+                    }
+                }
+            }
+            (carrier, _) => {
+                if carrier.may_be_within(q, *ceiling)
+                    && let Some(uv) = carrier.foot(q)
+                {
+                    offer(carrier.point(uv), uv, ceiling);
+                }
+            }
+        }
+    });
+    (best, certified)
 }
 
 /// The nearest edge or lone vertex of a tree, if it is nearer than what is known.

@@ -16,6 +16,7 @@ mod minima;
 mod part;
 mod pcurve;
 mod place;
+mod senses;
 mod tree;
 mod triangles;
 mod trim;
@@ -28,6 +29,7 @@ pub use curve::CurveProblem;
 pub use measure::PartMeasure;
 pub(crate) use minima::{Mark, PartMinima};
 pub use part::{FaceInfo, Part, PartError};
+pub use senses::{SenseProblem, Senses};
 pub use triangles::{PartMesh, TrianglesError};
 pub use trim::TrimProblem;
 

@@ -6,6 +6,7 @@ use super::carrier::Carrier;
 use super::chart::Chart;
 use super::curve::{CurveProblem, EdgeCurve};
 use super::pcurve::PCurve;
+use super::senses::{self, Senses};
 use super::tree::{Corners, Tree};
 use super::trim::{Piece, Trim, TrimProblem};
 use crate::math::{Point3, Vector3};
@@ -113,9 +114,10 @@ pub struct Part {
     pub(super) skin: Tree,
     /// Vertices of `wires` past the edges.
     pub(super) lone: Vec<u32>,
-    closed: bool,
+    pub(super) closed: bool,
     bounds: Corners,
     gap_m: f64,
+    pub(super) senses: Senses,
 }
 
 /// What is said of a face.
@@ -177,9 +179,20 @@ impl Part {
         self.gap_m
     }
 
-    /// Every edge joins two faces, and the file calls all its shells closed: it has an inside.
+    /// It has an inside: the file calls all its shells closed, and the faces at every edge go on into each other.
     pub fn is_closed(&self) -> bool {
         self.closed
+    }
+
+    /// Faces whose sense or loops are not as the file says: there, they do not agree with the faces beside, or the shell is
+    /// inside out.
+    pub fn turned_faces(&self) -> usize {
+        self.senses.turned.len()
+    }
+
+    /// Which faces are turned, and why there is no inside where the file says that there is one.
+    pub fn senses(&self) -> &Senses {
+        &self.senses
     }
 }
 
@@ -218,9 +231,18 @@ struct Build<'a> {
     faces: Vec<Face>,
     vertices: Vec<Vertex>,
     boxes: Vec<Corners>,
+    /// By face.
+    chains: Vec<Chains>,
+    /// By face: for those on B-splines.
+    solvers: Vec<Option<Box<ClosestSolver>>>,
+    /// By face: the loops bound something only on the other side of the carrier.
+    other_sense: Vec<bool>,
     size_m: f64,
     most_gap_m: f64,
 }
+
+/// Closed chains of edges, and whether each edge goes from its first vertex to its last.
+pub(super) type Chains = Vec<Vec<(u32, bool)>>;
 
 impl<'a> Build<'a> {
     fn new(brep: &'a Brep) -> Result<Self, PartError> {
@@ -268,6 +290,9 @@ impl<'a> Build<'a> {
             edges,
             faces: Vec::with_capacity(brep.faces.len()),
             boxes: Vec::with_capacity(brep.faces.len()),
+            chains: Vec::with_capacity(brep.faces.len()),
+            solvers: Vec::with_capacity(brep.faces.len()),
+            other_sense: Vec::with_capacity(brep.faces.len()),
             size_m,
             most_gap_m: (MOST_GAP * size_m).max(2.0 * brep.uncertainty_m),
         })
@@ -281,7 +306,7 @@ impl<'a> Build<'a> {
         };
         let chains = self.chains(face).map_err(fail)?;
         let mut solver = match &face.carrier {
-            Carrier::Spline(surface) => Some(ClosestSolver::new(surface)),
+            Carrier::Spline(surface) => Some(Box::new(ClosestSolver::new(surface))),
             _ => None,
         };
         let chart = Chart::new(&face.carrier);
@@ -289,39 +314,45 @@ impl<'a> Build<'a> {
         for chain in &chains {
             let mut walk = Vec::new();
             for &(e, forward) in chain {
-                self.add_side(index, (e, forward), &chart, solver.as_mut())?;
+                self.add_side(index, (e, forward), &chart, solver.as_deref_mut())?;
                 walk.extend(self.pieces(&chart, e, forward));
             }
             // On the carrier's own side the face is on the right where the senses differ.
             if !face.same_sense {
-                walk.reverse();
-                walk.iter_mut()
-                    .for_each(|piece: &mut Piece| piece.points.reverse());
+                turn(&mut walk);
             }
             walks.push(walk);
         }
+        let mut same_sense = face.same_sense;
         let trim = match walks.is_empty() {
             true if chart.is_bounded() => Trim::whole(chart),
             true => return Err(fail(TrimProblem::Unbounded)),
-            false => Trim::new(chart, &walks).map_err(fail)?,
+            false => Trim::new(chart, &walks).or_else(|problem| {
+                // Either the sense or the loops are the wrong way: the faces beside tell which.
+                walks.iter_mut().for_each(turn);
+                same_sense = !same_sense;
+                Trim::new(chart, &walks).map_err(|_| fail(problem))
+            })?,
         };
         let built = Face {
             id: face.id,
             carrier: face.carrier.clone(),
-            same_sense: face.same_sense,
+            same_sense,
             range_u: trim.extent()[0],
             trim,
             loops: chains.len(),
             rims: face.carrier.rims(),
         };
-        self.add_corners(index, &built, &chains);
         self.boxes.push(self.face_box(&built, &chains));
         self.faces.push(built);
+        self.chains.push(chains);
+        self.solvers.push(solver);
+        self.other_sense.push(same_sense != face.same_sense);
         Ok(())
     }
 
     /// Closed chains of uses, seams dropped: edges that the face is on both sides of.
-    fn chains(&self, face: &BrepFace) -> Result<Vec<Vec<(u32, bool)>>, TrimProblem> {
+    fn chains(&self, face: &BrepFace) -> Result<Chains, TrimProblem> {
         let loops = || {
             face.bounds.iter().filter_map(|bound| match bound {
                 BrepBound::Loop(uses) => Some(uses),
@@ -360,8 +391,8 @@ impl<'a> Build<'a> {
     }
 
     /// The vertex at which a use starts, or at which it ends.
-    fn end(&self, (e, forward): (u32, bool), last: bool) -> u32 {
-        self.edges[e as usize].ends[usize::from(last == forward)]
+    fn end(&self, one: (u32, bool), last: bool) -> u32 {
+        end(&self.edges, one, last)
     }
 
     fn same_place(&self, a: u32, b: u32) -> bool {
@@ -436,57 +467,6 @@ impl<'a> Build<'a> {
         }
     }
 
-    /// The face's share of the normals of its corners: Σ αᵢ nᵢ (Bærentzen & Aanæs 2005).
-    fn add_corners(&mut self, index: u32, face: &Face, chains: &[Vec<(u32, bool)>]) {
-        for chain in chains {
-            for (k, &before) in chain.iter().enumerate() {
-                let after = chain[(k + 1) % chain.len()];
-                let tangent = |(e, forward): (u32, bool), last: bool| {
-                    let t = self.edges[e as usize].curve.tangent_at_end(last == forward);
-                    if forward { t } else { -t }
-                };
-                let (into, out) = (tangent(before, true), tangent(after, false));
-                let edge = &self.edges[before.0 as usize];
-                let at = if before.1 {
-                    (edge.curve.segments() - 1, 1.0)
-                } else {
-                    (0, 0.0)
-                };
-                let side = edge.sides.iter().find(|side| side.face == index);
-                let Some(uv) = side.and_then(|side| match &side.pcurve {
-                    Some(pcurve) => Some(pcurve.at(at)),
-                    None => face.carrier.foot(&edge.curve.point(at)),
-                }) else {
-                    continue;
-                };
-                let normal = face.normal(face.trim.chart.confined(uv));
-                let back = -into;
-                let mut angle = libm::atan2(normal.dot(&out.cross(&back)), out.dot(&back));
-                if angle < 0.0 {
-                    angle += TAU;
-                }
-                let gap_m = edge.gap_m;
-                let v = self.end(before, true);
-                let vertex = &mut self.vertices[v as usize];
-                vertex.normal += normal * angle;
-                vertex.face = Some(index);
-                vertex.lone = false;
-                vertex.gap_m = vertex.gap_m.max(gap_m);
-            }
-        }
-        // Apexes that no edge reaches.
-        for (place, normal, v) in face.carrier.apexes() {
-            let on_face = face.trim.contains([0.0, v]);
-            let near = |v: &Vertex| (v.point - place).norm() <= 1e-6 * self.size_m;
-            for vertex in self.vertices.iter_mut().filter(|v| v.lone && near(v)) {
-                if on_face {
-                    vertex.normal = if face.same_sense { normal } else { -normal };
-                    vertex.face = Some(index);
-                }
-            }
-        }
-    }
-
     /// A face lies between its edges, or bulges out of them where its normal is along an axis.
     fn face_box(&self, face: &Face, chains: &[Vec<(u32, bool)>]) -> Corners {
         let far = Point3::from(Vector3::repeat(f64::INFINITY));
@@ -519,15 +499,20 @@ impl<'a> Build<'a> {
     fn finish(self) -> Result<Part, PartError> {
         let Self {
             brep,
-            edges,
-            faces,
+            mut edges,
+            mut faces,
             mut vertices,
             boxes,
+            mut chains,
+            solvers,
+            other_sense,
+            size_m,
             ..
         } = self;
-        for vertex in &mut vertices {
-            vertex.lone &= vertex.face.is_some();
-        }
+        let mut bodies = senses::agree(brep, &edges, &other_sense);
+        let turned = bodies.take_turns();
+        turn_faces(&turned, &mut edges, &mut faces, &mut chains);
+        set_corners(&edges, &faces, &mut vertices, &chains, size_m);
         let lone: Vec<u32> = (0..vertices.len() as u32)
             .filter(|&v| vertices[v as usize].lone)
             .collect();
@@ -537,14 +522,8 @@ impl<'a> Build<'a> {
                 .map(|&v| (vertices[v as usize].point, vertices[v as usize].point)),
         );
         let skin = Tree::new(&boxes);
-        let joined = edges.iter().all(|edge| edge.sides.len() != 1);
-        let shells = &brep.shells;
-        let closed = joined
-            && shells
-                .iter()
-                .all(|shell| shell.closed && shell.solid.is_some());
         let bounds = skin.bounds().ok_or(PartError::Empty)?;
-        Ok(Part {
+        let mut part = Part {
             gap_m: edges
                 .iter()
                 .filter(|edge| !edge.sides.is_empty())
@@ -555,8 +534,139 @@ impl<'a> Build<'a> {
             faces,
             vertices,
             lone,
-            closed,
+            closed: false,
             bounds,
-        })
+            senses: Senses::default(),
+        };
+        bodies.face_outwards(&part, &boxes, &wires, solvers);
+        let turned = bodies.take_turns();
+        if turned.contains(&true) {
+            turn_faces(&turned, &mut part.edges, &mut part.faces, &mut chains);
+            let Part {
+                edges,
+                faces,
+                vertices,
+                ..
+            } = &mut part;
+            set_corners(edges, faces, vertices, &chains, size_m);
+        }
+        part.closed = bodies.are_closed()
+            && (brep.shells.iter()).all(|shell| shell.closed && shell.solid.is_some());
+        part.senses = bodies.said(brep);
+        Ok(part)
+    }
+}
+
+/// Walked the other way.
+fn turn(walk: &mut Vec<Piece>) {
+    walk.reverse();
+    walk.iter_mut().for_each(|piece| piece.points.reverse());
+}
+
+/// Turns the faces that are marked: their normals and their loops, so that they bound the same.
+fn turn_faces(turned: &[bool], edges: &mut [Edge], faces: &mut [Face], chains: &mut [Chains]) {
+    if !turned.contains(&true) {
+        return;
+    }
+    for side in edges.iter_mut().flat_map(|edge| &mut edge.sides) {
+        side.forward ^= turned[side.face as usize];
+    }
+    for ((face, chains), _) in faces
+        .iter_mut()
+        .zip(chains)
+        .zip(turned)
+        .filter(|(_, turned)| **turned)
+    {
+        face.same_sense = !face.same_sense;
+        for chain in chains {
+            chain.reverse();
+            chain
+                .iter_mut()
+                .for_each(|(_, forward)| *forward = !*forward);
+        }
+    }
+}
+
+/// The vertex at which a use of an edge starts, or at which it ends.
+fn end(edges: &[Edge], (e, forward): (u32, bool), last: bool) -> u32 {
+    edges[e as usize].ends[usize::from(last == forward)]
+}
+
+/// Normals of vertices, their faces and their gaps; vertices that no edge reaches are lone where a face ends there.
+fn set_corners(
+    edges: &[Edge],
+    faces: &[Face],
+    vertices: &mut [Vertex],
+    chains: &[Chains],
+    size_m: f64,
+) {
+    for vertex in vertices.iter_mut() {
+        vertex.normal = Vector3::zeros();
+        vertex.face = None;
+        vertex.lone = true;
+        vertex.gap_m = 0.0;
+    }
+    for (k, (face, chains)) in faces.iter().zip(chains).enumerate() {
+        add_corners(edges, (k as u32, face), vertices, chains, size_m);
+    }
+    for vertex in vertices {
+        vertex.lone &= vertex.face.is_some();
+    }
+}
+
+/// A face's share of the normals of its corners: Σ αᵢ nᵢ (Bærentzen & Aanæs 2005).
+fn add_corners(
+    edges: &[Edge],
+    (index, face): (u32, &Face),
+    vertices: &mut [Vertex],
+    chains: &Chains,
+    size_m: f64,
+) {
+    for chain in chains {
+        for (k, &before) in chain.iter().enumerate() {
+            let after = chain[(k + 1) % chain.len()];
+            let tangent = |(e, forward): (u32, bool), last: bool| {
+                let t = edges[e as usize].curve.tangent_at_end(last == forward);
+                if forward { t } else { -t }
+            };
+            let (into, out) = (tangent(before, true), tangent(after, false));
+            let edge = &edges[before.0 as usize];
+            let at = if before.1 {
+                (edge.curve.segments() - 1, 1.0)
+            } else {
+                (0, 0.0)
+            };
+            let side = edge.sides.iter().find(|side| side.face == index);
+            let Some(uv) = side.and_then(|side| match &side.pcurve {
+                Some(pcurve) => Some(pcurve.at(at)),
+                None => face.carrier.foot(&edge.curve.point(at)),
+            }) else {
+                continue;
+            };
+            let normal = face.normal(face.trim.chart.confined(uv));
+            let back = -into;
+            let mut angle = libm::atan2(normal.dot(&out.cross(&back)), out.dot(&back));
+            if angle < 0.0 {
+                angle += TAU;
+            }
+            let gap_m = edge.gap_m;
+            let v = end(edges, before, true);
+            let vertex = &mut vertices[v as usize];
+            vertex.normal += normal * angle;
+            vertex.face = Some(index);
+            vertex.lone = false;
+            vertex.gap_m = vertex.gap_m.max(gap_m);
+        }
+    }
+    // Apexes that no edge reaches.
+    for (place, normal, v) in face.carrier.apexes() {
+        let on_face = face.trim.contains([0.0, v]);
+        let near = |v: &Vertex| (v.point - place).norm() <= 1e-6 * size_m;
+        for vertex in vertices.iter_mut().filter(|v| v.lone && near(v)) {
+            if on_face {
+                vertex.normal = if face.same_sense { normal } else { -normal };
+                vertex.face = Some(index);
+            }
+        }
     }
 }

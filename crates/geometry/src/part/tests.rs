@@ -1,6 +1,8 @@
 //! Boundaries by hand, against closed forms and brute force.
 
-use super::hand::{axes, bend, cone, dome, drilled, whole};
+mod senses;
+
+use super::hand::{Maker, axes, bend, cone, dome, drilled, whole};
 use super::*;
 use crate::math::{Matrix3, Point3, Random, Vector3};
 use std::f64::consts::PI;

@@ -11,11 +11,16 @@
 
 use super::bezier::{self, Homogeneous};
 use super::chart::{Chart, lifted, wrap};
+use std::ops::Range;
 
 /// Columns of the table that says which arcs a ray may cross.
 const COLUMNS: usize = 32;
-/// Arcs that are asked for the base.
+/// Arcs that are asked for the base, beside one of each loop.
 const MOST_VOTES: usize = 200;
+/// Of the length of all loops: pieces that rounding makes where u begins anew.
+const ROUNDING: f64 = 1e-12;
+/// Of the length of all loops: what may be on the wrong side where edges do not quite meet.
+const MOST_WRONG: f64 = 1e-3;
 /// Of the range of v: how near to a loop a place is on it.
 const ON: f64 = 1e-13;
 
@@ -125,9 +130,10 @@ impl Trim {
     pub fn new(mut chart: Chart, chains: &[Vec<Piece>]) -> Result<Self, TrimProblem> {
         let size = chains.iter().flatten().flat_map(|piece| &piece.points);
         let size = size.fold(0.0f64, |m, h| m.max(bezier::projected(h).coords.amax()));
+        let mut apart = 0.0;
         let drafts: Vec<Vec<Draft>> = chains
             .iter()
-            .map(|chain| drafts(&chart, chain, size))
+            .map(|chain| drafts(&chart, chain, size, &mut apart))
             .collect();
         if chart.periods[1] > 0.0 {
             chart.origin[1] = cut(&chart, &drafts);
@@ -135,10 +141,13 @@ impl Trim {
         let mut trim = Self::whole(chart);
         trim.base = 0;
         let mut winding = 0;
+        let mut loops = Vec::with_capacity(drafts.len());
         for chain in &drafts {
+            let first = trim.arcs.len();
             for draft in chain {
                 winding += trim.add(draft);
             }
+            loops.push(first..trim.arcs.len());
         }
         let period = chart.periods[0];
         trim.steps.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -155,7 +164,7 @@ impl Trim {
         trim.reach = [range(0), range(1)];
         trim.height = (trim.reach[1][1] - trim.reach[1][0]).max(f64::MIN_POSITIVE);
         trim.tabulate();
-        trim.settle_base()?;
+        trim.settle_base(&loops, apart)?;
         let bounded = match chart.map {
             super::chart::Map::Sphere | super::chart::Map::Torus(..) => true,
             super::chart::Map::Cone(..) => trim.base == 0,
@@ -460,8 +469,12 @@ impl Trim {
         self.chart.beside(points, u).root()
     }
 
-    /// The base for which the left of the arcs is inside.
-    fn settle_base(&mut self) -> Result<(), TrimProblem> {
+    /// The base for which the left of the arcs is inside; `loops`: which arcs each loop has.
+    ///
+    /// All arcs must agree, but for two kinds. Where u begins anew, rounding cuts off pieces of no width. And where edges do not
+    /// quite meet, each may go past the other by as much as they are apart: what goes past is on the wrong side. `apart`: how
+    /// far in u the ends of edges are from the starts of the next ones, over all loops.
+    fn settle_base(&mut self, loops: &[Range<usize>], apart: f64) -> Result<(), TrimProblem> {
         let mut votes: Vec<(i32, f64)> = Vec::new();
         let size = self
             .reach
@@ -471,10 +484,11 @@ impl Trim {
             let [across, along] = [arc.u, arc.v].map(|[a, b]| (b - a).abs());
             across / size[0] > 1e-4 * along / size[1] && arc.path != Path::Level
         };
-        let telling: Vec<usize> = (0..self.arcs.len())
-            .filter(|&k| says(&self.arcs[k]))
+        let step = 1 + self.arcs.len() / MOST_VOTES;
+        let telling: Vec<usize> = (loops.iter())
+            .flat_map(|arcs| arcs.clone().filter(|&k| says(&self.arcs[k])).step_by(step))
             .collect();
-        for &k in telling.iter().step_by(1 + telling.len() / MOST_VOTES) {
+        for k in telling {
             let arc = &self.arcs[k];
             let u = 0.5 * (arc.u[0] + arc.u[1]);
             let v = self.height_at(arc, u);
@@ -513,7 +527,8 @@ impl Trim {
             .fold((1, 0.0), |a, b| if b.1 > a.1 { b } else { a });
         self.base = best.0;
         let wrong = total - best.1;
-        match wrong <= 1e-3 * total {
+        let past = (2.0 * apart).min(MOST_WRONG * total);
+        match wrong <= past + ROUNDING * total {
             true => Ok(()),
             false => Err(TrimProblem::Contradiction { wrong, total }),
         }
@@ -527,8 +542,9 @@ fn vote(votes: &mut Vec<(i32, f64)>, base: i32, length: f64) {
     }
 }
 
-/// A chain in pieces on which u only grows or only falls, by a sixth of a turn at most.
-fn drafts(chart: &Chart, chain: &[Piece], size: f64) -> Vec<Draft> {
+/// A chain in pieces on which u only grows or only falls, by a sixth of a turn at most. Adds to `apart` how far in u the ends
+/// are from the starts.
+fn drafts(chart: &Chart, chain: &[Piece], size: f64, apart: &mut f64) -> Vec<Draft> {
     let mut out: Vec<Draft> = Vec::new();
     for piece in chain {
         for points in at_poles(chart, &piece.points, size) {
@@ -548,7 +564,7 @@ fn drafts(chart: &Chart, chain: &[Piece], size: f64) -> Vec<Draft> {
             }
         }
     }
-    join(chart, out)
+    join(chart, out, apart)
 }
 
 /// Divided where it passes through a pole.
@@ -629,7 +645,7 @@ fn short(chart: &Chart, points: &[Homogeneous], size: f64, depth: usize, out: &m
 }
 
 /// Neighbours share their u; at a pole a level run goes from one to the other.
-fn join(chart: &Chart, drafts: Vec<Draft>) -> Vec<Draft> {
+fn join(chart: &Chart, drafts: Vec<Draft>, total_apart: &mut f64) -> Vec<Draft> {
     let n = drafts.len();
     let starts: Vec<_> = drafts
         .iter()
@@ -639,6 +655,9 @@ fn join(chart: &Chart, drafts: Vec<Draft>) -> Vec<Draft> {
     for (k, mut draft) in drafts.into_iter().enumerate() {
         let (next, pole) = starts[(k + 1) % n];
         let apart = lifted(next[0], draft.ends[1][0], chart.periods[0]) - draft.ends[1][0];
+        if !(draft.pole[1] && pole) {
+            *total_apart += apart.abs();
+        }
         if draft.pole[1] && pole || chart.is_flat() && apart.abs() > 1e-9 * next[0].abs() {
             let run = Draft {
                 points: None,

@@ -29,7 +29,7 @@ const STEP: f64 = 1e-6;
 const MOST_HOPS: usize = 32;
 
 /// What shares an edge or a vertex with each face, and meets at each vertex.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Near {
     faces: Vec<Around>,
     vertices: Vec<Meeting>,
@@ -116,9 +116,9 @@ impl Near {
     }
 
     /// Edges and faces around a face.
-    pub fn trees(&self, face: u32) -> (&Tree, &Tree) {
+    pub fn trees(&self, face: u32) -> [&Tree; 2] {
         let around = &self.faces[face as usize];
-        (&around.wires, &around.skin)
+        [&around.wires, &around.skin]
     }
 }
 
@@ -153,7 +153,9 @@ impl PartSolver {
         if let Some((face, uv)) = last
             && left_m > 0.0
         {
-            let seed = self.sure(part, q, face, uv, left_m).map(|best| (best, true));
+            let seed = self
+                .sure(part, q, face, uv, left_m)
+                .map(|best| (best, true));
             if let (Some(best), true) = self.search(part, q, Some(face), seed) {
                 if let Some(uv) = kept(part, face, &best) {
                     let [u, v] = part.place(face, uv);

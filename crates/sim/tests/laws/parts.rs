@@ -106,7 +106,7 @@ fn forces_over_edges_are_continuous_and_never_vanish() {
     ] {
         let mut world = World::new(&scene(name, [0.0, 0.0, 0.5], ""));
         let (low, high) = world.scene.skin(0).part().expect("a part").part().bounds();
-        let mut random = Random::new(7);
+        let mut random = Random(7);
         let (mut touched, mut worst, mut lost) = (0, 0.0_f64, 0);
         let mut solver = SkinSolver::new(world.scene.skin(0));
         for _ in 0..6 {

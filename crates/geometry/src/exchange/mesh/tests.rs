@@ -207,7 +207,8 @@ fn what_is_no_mesh_or_point_is_refused_with_its_place() {
     huge[80..].fill(255);
     assert_eq!(
         stl(&huge),
-        "not an STL file: it is no text, and as binary, 4294967295 triangles, as its header says, need 214748364834 bytes, not 84"
+        "neither a text STL, which begins with the word solid, nor a binary one: its header counts 4294967295 triangles, which \
+         need 214748364834 bytes, and the file has 84; export it anew as STL, or rename it if it is in another format"
     );
     assert_eq!(
         stl(b"solid\nvertex 1 2\n"),
