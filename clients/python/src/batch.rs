@@ -331,8 +331,8 @@ impl Batch {
         let body = self.built.body(body)?;
         let mut inner = self.lock()?;
         if inner.nets.iter().all(|net| net.body != body) {
-            let net = self.built.scene.rest_surface(body).net();
-            let shape = vec![self.n, net.rows(), net.columns(), 3];
+            let (_, [rows, columns]) = self.built.scene.net_size(body);
+            let shape = vec![self.n, rows, columns, 3];
             let array = PyArrayDyn::zeros(py, shape, false).unbind();
             inner.nets.push(NetView { body, array });
         }

@@ -1,7 +1,7 @@
 //! Exceptions: the classes are in `palpate/errors.py`, made here with what they carry.
 
 use palpate_sim::scene::SceneError;
-use pyo3::exceptions::{PyFileNotFoundError, PyOSError, PyRuntimeError};
+use pyo3::exceptions::{PyFileNotFoundError, PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use std::fmt::Display;
@@ -106,4 +106,11 @@ pub fn os_error(path: &Path, error: &std::io::Error) -> PyErr {
 /// A broken promise of this module.
 pub fn internal(error: impl Display) -> PyErr {
     PyRuntimeError::new_err(format!("palpate: {error}; please report this"))
+}
+
+/// A B-spline was asked for of a body that is a part.
+pub fn no_surface(body: &str) -> PyErr {
+    PyValueError::new_err(format!(
+        "{body:?} is a part, which has no B-spline surface; palpate.Part.load reads its file"
+    ))
 }

@@ -271,7 +271,10 @@ impl Scene {
     /// The surface of a body at rest, as simulated.
     fn surface(&self, body: &str) -> PyResult<Surface> {
         let body = self.built.body(body)?;
-        Ok(Surface::of(self.built.scene.rest_surface(body).clone()))
+        let surface = self.built.scene.rest_surface(body).cloned();
+        surface
+            .map(Surface::of)
+            .ok_or_else(|| crate::errors::no_surface(self.built.scene.body_id(body)))
     }
 
     /// Model of a body: `rigid`, `lattice`, `continuum`…

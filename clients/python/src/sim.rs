@@ -330,10 +330,7 @@ impl Simulation {
         let surface = self.built.scene.surface_with(body, &points);
         match surface.map_err(surface_error)? {
             Some(surface) => Ok(Surface::of(surface)),
-            None => Err(PyValueError::new_err(format!(
-                "{:?} is a part, which has no B-spline surface; palpate.Part.load reads its file",
-                self.built.scene.body_id(body)
-            ))),
+            None => Err(crate::errors::no_surface(self.built.scene.body_id(body))),
         }
     }
 

@@ -70,13 +70,8 @@ impl Varied {
         for scene in &scenes {
             let alike = scene.body_count() == built.scene.body_count()
                 && scene.tool_count() == built.scene.tool_count()
-                && (0..scene.body_count()).all(|body| {
-                    let (a, b) = (
-                        scene.rest_surface(body).net(),
-                        built.scene.rest_surface(body).net(),
-                    );
-                    (a.rows(), a.columns()) == (b.rows(), b.columns())
-                });
+                && (0..scene.body_count())
+                    .all(|body| scene.net_size(body) == built.scene.net_size(body));
             if !alike {
                 return Err(PyValueError::new_err(format!(
                     "{path} changes the number of control points, bodies or tools; use a batch for each"
