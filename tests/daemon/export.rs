@@ -225,7 +225,7 @@ fn a_plot_has_four_panels_with_units_and_every_peak() {
 /// Nets of the slab after every tick, by simulating the script without a recorder.
 fn simulated(script: &Script) -> Vec<Vec<Point3>> {
     let mut world = World::new(&two_tools());
-    let mut net = world.scene.rest_surface(0).net().points().to_vec();
+    let mut net = world.scene.rest_surface(0).unwrap().net().points().to_vec();
     let mut nets = vec![net.clone()];
     for tick in 0..script.ticks {
         for command in script.commands_after(tick) {

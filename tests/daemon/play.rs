@@ -66,7 +66,7 @@ fn bits(values: &[f64]) -> Vec<u64> {
 }
 
 fn net(scene: &Scene, state: &SceneState) -> Vec<u64> {
-    let mut points = vec![Point3::origin(); scene.rest_surface(0).net().points().len()];
+    let mut points = vec![Point3::origin(); scene.rest_surface(0).unwrap().net().points().len()];
     state.copy_net(scene, 0, &mut points);
     bits(
         &points

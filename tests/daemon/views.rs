@@ -134,7 +134,7 @@ fn pictures_show_the_nets_and_tools_of_their_ticks() {
             .iter()
             .rfind(|net| net.body == "drop" && net.tick * 1_000_000 < *time)
             .unwrap();
-        let mut surface = scene.rest_surface(0).clone();
+        let mut surface = scene.rest_surface(0).unwrap().clone();
         for (to, from) in surface
             .net_mut()
             .points_mut()

@@ -108,10 +108,11 @@ fn a_moved_body_takes_its_state_along_and_the_others_stay_bit_for_bit() {
     }
     for (p, q) in old
         .rest_surface(2)
+        .unwrap()
         .net()
         .points()
         .iter()
-        .zip(new.rest_surface(2).net().points())
+        .zip(new.rest_surface(2).unwrap().net().points())
     {
         assert!((p + by - q).norm() < 1e-15);
     }

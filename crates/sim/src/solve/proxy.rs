@@ -140,11 +140,17 @@ impl BallContact<'_> {
                     (state.foot.u, state.foot.v) = (own.u, own.v);
                     self.sided.go_round(&own, target, state);
                     let clearance = self.sided.clearance_m(&own, target, state);
-                    if clearance > self.radius_m + tolerance {
-                        release(state, target, clearance);
-                        return self.outcome(*target, own, target, state);
+                    if clearance <= self.radius_m + tolerance {
+                        return self.held(own, target, state);
                     }
-                    return self.held(own, target, state);
+                    // Clear of the branch it stood on; another may hold it.
+                    let nearest = self.sided.closest(target, 0.0, state);
+                    let clearance = self.sided.clearance_m(&nearest, target, state);
+                    if clearance <= self.radius_m + tolerance {
+                        return self.held(nearest, target, state);
+                    }
+                    release(state, target, clearance);
+                    return self.outcome(*target, nearest, target, state);
                 }
             }
             centre = foot.point + normal * self.radius_m;
