@@ -129,7 +129,7 @@ fn a_moved_body_takes_its_state_along_and_the_others_stay_bit_for_bit() {
 #[test]
 fn a_merged_body_stands_in_the_place_of_its_first_part() {
     let old = scene(TWO);
-    let surface = old.rest_surface(0).clone();
+    let surface = old.rest_surface(0).unwrap().clone();
     let change = SceneChange::merged(&old, &[0, 2], "a-c", &surface).unwrap();
     let new = rebuilt(&change);
     assert_eq!(
@@ -148,7 +148,7 @@ fn a_merged_body_stands_in_the_place_of_its_first_part() {
             }
         ]
     );
-    assert_eq!(new.rest_surface(0).net(), surface.net());
+    assert_eq!(new.rest_surface(0).unwrap().net(), surface.net());
     // Both planes hold it, each where it was in the world.
     let held: Vec<FixedSpec> = new.spec.bodies[0].fixed.clone();
     assert_eq!(held.len(), 2);
@@ -170,7 +170,7 @@ fn a_merged_body_stands_in_the_place_of_its_first_part() {
 #[test]
 fn what_cannot_be_carried_over_is_refused_with_its_place() {
     let old = scene(TWO);
-    let surface = old.rest_surface(0).clone();
+    let surface = old.rest_surface(0).unwrap().clone();
     let refused = |old: &Scene, id: &str| {
         SceneChange::merged(old, &[0, 2], id, &surface)
             .unwrap_err()
@@ -237,7 +237,7 @@ fn a_running_loop_takes_the_next_scene_over_without_a_gap_or_an_allocation() {
         "the force jumped by {jump_n} N from {force_n} N"
     );
     assert_eq!(
-        swap.scene().rest_surface(2).net().at(0, 0).z,
+        swap.scene().rest_surface(2).unwrap().net().at(0, 0).z,
         0.0,
         "the scene before it comes back"
     );

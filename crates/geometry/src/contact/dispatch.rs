@@ -409,7 +409,10 @@ impl Narrow {
             ToolShape::Point => return None,
             ToolShape::Sphere { radius_m } => exact::ball::signed_gap(&place, *radius_m, x),
             ToolShape::Implicit { tool, .. } => tool.signed_gap(pose, x)?,
-            ToolShape::Mesh(tool) => tool.signed_gap(pose, x),
+            ToolShape::Mesh(tool) => match &self.query {
+                Query::Mesh(found) => found.signed_gap(tool, pose, x),
+                _ => tool.signed_gap(pose, x),
+            },
             ToolShape::Surface(_) => {
                 let (Query::Surface(_, placed) | Query::SurfaceSpheres(_, placed)) = &self.query
                 else {

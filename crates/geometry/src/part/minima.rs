@@ -684,7 +684,7 @@ impl PartMinima {
 }
 
 /// Where a place of an edge is on a face, the face's normal there and its conormal.
-fn frame(
+pub(super) fn frame(
     part: &Part,
     edge: &Edge,
     side: &Side,

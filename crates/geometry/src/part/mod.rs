@@ -17,6 +17,7 @@ mod part;
 mod pcurve;
 mod place;
 mod senses;
+mod sharp;
 mod tree;
 mod triangles;
 mod trim;
@@ -30,6 +31,7 @@ pub use measure::PartMeasure;
 pub(crate) use minima::{Mark, PartMinima};
 pub use part::{FaceInfo, Part, PartError};
 pub use senses::{SenseProblem, Senses};
+pub(crate) use sharp::SharpEdge;
 pub use triangles::{PartMesh, TrianglesError};
 pub use trim::TrimProblem;
 

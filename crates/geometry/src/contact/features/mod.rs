@@ -13,6 +13,7 @@
 
 mod edge;
 mod known;
+mod part;
 mod search;
 mod surface;
 #[cfg(test)]

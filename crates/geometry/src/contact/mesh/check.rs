@@ -5,6 +5,11 @@ use crate::math::{MOST_COORDINATE_M, Point3, first_outside};
 /// Why a mesh cannot be a tool.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MeshError {
+    /// A part with faces that are missing or inconsistent.
+    #[error(
+        "the part is not closed, so it has no inside; a tool must be a solid: close it in the CAD system that wrote it"
+    )]
+    OpenPart,
     /// Fewer triangles than a tetrahedron has.
     #[error("the mesh has {triangles} triangles with three corners; a solid needs at least 4")]
     Few {

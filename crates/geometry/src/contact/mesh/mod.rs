@@ -1,4 +1,5 @@
-//! Tools given as a closed triangle mesh.
+//! Tools given as a closed triangle mesh, or as a part: then triangles say where to look, and distances are those of the
+//! part itself.
 //!
 //! ```text
 //! check    merged, closed, oriented outwards, with a volume: or a reason why not
@@ -15,9 +16,15 @@ mod tests;
 use self::parry::Triangles;
 use crate::contact::Features;
 use crate::math::{Point3, Pose, Vector3};
+use crate::part::{Part, PartMesh, TrianglesError};
+use std::sync::Arc;
 
 pub use check::MeshError;
 pub use solver::MeshSolver;
+
+/// Of the size of a part: how far its triangles are from it, and how many there are at most.
+const TOLERANCE: f64 = 2e-4;
+const MOST_TRIANGLES: usize = 200_000;
 
 /// Vertices of one block, whose ball is asked for before they are.
 const BLOCK: usize = 32;
@@ -38,6 +45,8 @@ pub struct MeshTool {
     planes: Vec<Option<(Vector3, f64)>>,
     volume_m3: f64,
     size_m: f64,
+    /// What the triangles stand for.
+    part: Option<Arc<Part>>,
 }
 
 impl std::fmt::Debug for MeshTool {
@@ -102,7 +111,37 @@ impl MeshTool {
             vertices: sound.vertices,
             volume_m3: sound.volume_m3,
             size_m: sound.size_m,
+            part: None,
         })
+    }
+
+    /// A closed part (m, in the tool's frame). Its triangles, within a 1/5000 of its size, are where contacts are looked
+    /// for; how deep they are the part says.
+    ///
+    /// # Errors
+    /// A part without an inside, or one whose triangles bound no volume.
+    pub fn of_part(part: Arc<Part>) -> Result<Self, MeshError> {
+        if !part.is_closed() {
+            return Err(MeshError::OpenPart);
+        }
+        let refused = |e: TrianglesError| MeshError::Refused {
+            reason: e.to_string(),
+        };
+        let tolerance_m = TOLERANCE * part.size_m();
+        let PartMesh { mesh, .. } = part
+            .triangles(tolerance_m, MOST_TRIANGLES)
+            .or_else(|_| part.triangles(16.0 * tolerance_m, MOST_TRIANGLES))
+            .map_err(refused)?;
+        let mut tool = Self::new(&mesh.points, &mesh.triangles)?;
+        tool.features = Features::of_part(&part);
+        tool.planes.clear();
+        tool.part = Some(part);
+        Ok(tool)
+    }
+
+    /// The part, if it is one.
+    pub fn part(&self) -> Option<&Part> {
+        self.part.as_deref()
     }
 
     /// Volume, m³.
@@ -133,7 +172,7 @@ impl MeshTool {
         self.triangles.indices()
     }
 
-    /// Signed distance of a point of the tool's frame to the mesh, m, negative inside, and the unit
+    /// Signed distance of a point of the tool's frame to the triangles, m, negative inside, and the unit
     /// way out of the mesh there. A point that is not finite is infinitely far.
     pub fn signed_distance(&self, p: &Point3) -> (f64, Vector3) {
         self.triangles.signed_distance(p, 1e-12 * self.size_m)

@@ -10,7 +10,9 @@ use super::{BLOCK, MeshTool};
 use crate::contact::depth::{DepthField, DepthSearch};
 use crate::contact::{Contact, ContactSet, MAX_CONTACTS, Reach, ToolPoint};
 use crate::math::{Point3, Pose, Vector3};
+use crate::part::PartSolver;
 use crate::surface::{ClosestPoint, ClosestSolver, Surface};
+use std::cell::RefCell;
 
 /// Closest points asked for in one query.
 const MOST_QUERIES: usize = 4_096;
@@ -23,35 +25,61 @@ pub struct MeshSolver {
     /// (vertices): depth in the body, m; −∞ where it is outside by more than the margin.
     depths: Vec<f64>,
     corners: Vec<Contact>,
+    /// Of a tool that is a part.
+    part: Option<Box<RefCell<PartSolver>>>,
+}
+
+/// How far points are from a tool, m.
+#[derive(Clone, Copy)]
+struct Distance<'a> {
+    tool: &'a MeshTool,
+    part: Option<&'a RefCell<PartSolver>>,
+}
+
+impl Distance<'_> {
+    /// Signed distance of a point of the tool's frame, m, negative inside, and the unit way out there.
+    fn signed(&self, p: &Point3) -> (f64, Vector3) {
+        match (self.part, &self.tool.part) {
+            (Some(solver), Some(part)) => match solver.borrow_mut().closest(part, p) {
+                Some(foot) => {
+                    let gap_m = foot.signed_distance.unwrap_or(foot.distance);
+                    let way = (p - foot.point) * gap_m.signum();
+                    let near_m = 1e-12 * self.tool.size_m;
+                    let out = (foot.distance > near_m).then(|| way / foot.distance);
+                    (gap_m, out.unwrap_or(foot.normal))
+                }
+                None => (f64::INFINITY, Vector3::z()),
+            },
+            _ => self.tool.signed_distance(p),
+        }
+    }
 }
 
 struct PlacedMesh<'a> {
-    tool: &'a MeshTool,
+    distance: Distance<'a>,
     pose: &'a Pose,
     margin_m: f64,
+}
+
+impl PlacedMesh<'_> {
+    fn signed(&self, p: &Point3) -> (f64, Vector3) {
+        self.distance.signed(&self.pose.inverse_transform_point(p))
+    }
 }
 
 impl DepthField for PlacedMesh<'_> {
     fn may_reach(&self, centre: &Point3, half: &Vector3) -> bool {
         // No point of the box is nearer than its centre less its radius.
-        let (gap_m, _) = self
-            .tool
-            .signed_distance(&self.pose.inverse_transform_point(centre));
-        gap_m <= half.norm() * (1.0 + 1e-9) + self.margin_m
+        self.signed(centre).0 <= half.norm() * (1.0 + 1e-9) + self.margin_m
     }
 
     fn rough(&self, p: &Point3) -> (f64, Vector3) {
-        let (gap_m, out) = self
-            .tool
-            .signed_distance(&self.pose.inverse_transform_point(p));
+        let (gap_m, out) = self.signed(p);
         (-gap_m, out)
     }
 
     fn depth_m(&self, p: &Point3) -> f64 {
-        -self
-            .tool
-            .signed_distance(&self.pose.inverse_transform_point(p))
-            .0
+        -self.signed(p).0
     }
 
     fn side(&self, p: &Point3, after: usize) -> Option<usize> {
@@ -59,16 +87,25 @@ impl DepthField for PlacedMesh<'_> {
             return None;
         }
         let p = self.pose.inverse_transform_point(p);
-        let triangle = p
-            .iter()
-            .all(|x| x.is_finite())
-            .then(|| self.tool.triangles.nearest(&p))?;
-        self.tool.planes[triangle].map(|_| triangle)
+        if !p.iter().all(|x| x.is_finite()) {
+            return None;
+        }
+        let tool = self.distance.tool;
+        if let (Some(solver), Some(part)) = (self.distance.part, &tool.part) {
+            let foot = solver.borrow_mut().closest(part, &p)?;
+            return part.plane_at(foot.support).map(|(face, ..)| face as usize);
+        }
+        let triangle = tool.triangles.nearest(&p);
+        tool.planes[triangle].map(|_| triangle)
     }
 
     fn depth_below(&self, side: usize, p: &Point3) -> f64 {
         let p = self.pose.inverse_transform_point(p);
-        let plane = &self.tool.planes[side];
+        let tool = self.distance.tool;
+        let plane = match &tool.part {
+            Some(part) => part.plane_of(side as u32),
+            None => tool.planes[side],
+        };
         plane.map_or(f64::NEG_INFINITY, |(normal, offset_m)| {
             offset_m - normal.dot(&p.coords)
         })
@@ -87,7 +124,15 @@ impl MeshSolver {
             closed: surface.topology().is_closed(),
             depths: vec![f64::NEG_INFINITY; tool.vertices.len()],
             corners: Vec::with_capacity(MAX_CONTACTS),
+            part: (tool.part.as_deref()).map(|part| Box::new(RefCell::new(PartSolver::new(part)))),
         }
+    }
+
+    /// Gap of a world point to the tool at a pose, m, and the unit vector towards the tool's matter.
+    pub fn signed_gap(&self, tool: &MeshTool, pose: &Pose, point: &Point3) -> (f64, Vector3) {
+        let part = self.part.as_deref();
+        let (gap_m, out) = Distance { tool, part }.signed(&pose.inverse_transform_point(point));
+        (gap_m, -(pose.rotation * out))
     }
 
     /// Contacts with a mesh at a pose, deepest first; `out` is cleared first; `beside`: contacts of the tool's edges. A pose that is not
@@ -117,8 +162,13 @@ impl MeshSolver {
             tool.vertices.len(),
             "scratch of another mesh"
         );
-        let field = PlacedMesh {
+        let part = self.part.take();
+        let distance = Distance {
             tool,
+            part: part.as_deref(),
+        };
+        let field = PlacedMesh {
+            distance,
             pose,
             margin_m: reach.margin_m,
         };
@@ -144,7 +194,7 @@ impl MeshSolver {
         for top in &self.search.tops {
             let [u, v] = top.at;
             let on_body = surface.point(u, v);
-            let (gap_m, way) = tool.signed_distance(&pose.inverse_transform_point(&on_body));
+            let (gap_m, way) = field.signed(&on_body);
             let normal = -(pose.rotation * way);
             let on_tool = on_body + normal * gap_m;
             out.push(Contact {
@@ -161,6 +211,7 @@ impl MeshSolver {
         if out.deepest().is_some() {
             self.search.patches.report(&self.search.reached, out);
         }
+        self.part = part;
     }
 
     /// Vertices that are deeper in the body than those beside them.

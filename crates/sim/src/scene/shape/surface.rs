@@ -4,19 +4,34 @@ use super::interface::Shape;
 use super::outline;
 use crate::scene::door::At;
 use crate::scene::spec::SurfaceSpec;
+use crate::scene::surface::Named;
+use palpate_geometry::contact::mesh::MeshTool;
 use palpate_geometry::contact::{SurfaceShape, ToolShape};
 use palpate_geometry::surface::Mesh;
+use std::sync::Arc;
 
 impl Shape for SurfaceSpec {
     fn build(&self, at: &At<'_>) -> Option<ToolShape> {
-        let surface = self.surface(at)?;
-        Some(ToolShape::Surface(Box::new(SurfaceShape::new(surface))))
+        Some(match self.loaded(at)? {
+            Named::Surface(loaded) => {
+                ToolShape::Surface(Box::new(SurfaceShape::new(loaded.surface)))
+            }
+            Named::Part(part, _) => {
+                let tool = at.take(MeshTool::of_part(Arc::from(part)))?;
+                ToolShape::Mesh(Box::new(tool))
+            }
+        })
     }
 
     /// Each knot span cut evenly, as finely as the number of triangles allows.
     fn outline(&self, built: &ToolShape, _view_m: f64) -> Mesh {
-        let ToolShape::Surface(shape) = built else {
-            return outline::nothing();
+        let shape = match built {
+            ToolShape::Surface(shape) => shape,
+            ToolShape::Mesh(tool) => {
+                return Mesh::from_triangles(tool.vertices().to_vec(), tool.triangles().to_vec())
+                    .unwrap_or_else(outline::nothing);
+            }
+            _ => return outline::nothing(),
         };
         let surface = shape.surface();
         let spans = surface.knots_u().spans().count() * surface.knots_v().spans().count();

@@ -1,0 +1,83 @@
+//! Edges and tips that stand out: with which a part touches where it has no normal.
+
+use super::carrier::Carrier;
+use super::closest::Support;
+use super::minima::frame;
+use super::part::Part;
+use crate::math::{Point3, Vector3};
+
+/// Places of an edge in each of its segments: what a cubic between two leaves over is below 1e-9 of a quarter circle.
+const PLACES: usize = 48;
+/// Places of an edge at which it is asked whether it stands out.
+const ASKED: usize = 9;
+
+/// An edge that stands out.
+pub(crate) struct SharpEdge {
+    /// Places along it, m, and the way on from each.
+    pub places: Vec<(Point3, Vector3)>,
+    /// It comes back to its start.
+    pub closed: bool,
+}
+
+impl Part {
+    /// Edges whose faces meet at a greater angle than that of a cosine, on the outside, and the apexes that no edge
+    /// reaches.
+    pub(crate) fn sharp_edges(&self, cosine: f64) -> (Vec<SharpEdge>, Vec<Point3>) {
+        let stands_out = |k: usize, at: (usize, f64)| {
+            let edge = &self.edges[k];
+            let [one, other] = edge.sides.as_slice() else {
+                return false;
+            };
+            let tangent = edge.curve.slope(at).normalize();
+            let [Some((_, n, _)), Some((_, m, inward))] =
+                [one, other].map(|side| frame(self, edge, side, at, &tangent))
+            else {
+                return false;
+            };
+            n.dot(&m) < cosine && n.dot(&inward) < 0.0
+        };
+        let edges = (0..self.edges.len()).filter(|&k| {
+            let edge = &self.edges[k];
+            edge.curve.samples(ASKED).any(|at| stands_out(k, at))
+        });
+        let edges = edges.map(|k| {
+            let edge = &self.edges[k];
+            let straight = edge.curve.is_line();
+            let count = if straight { 1 } else { PLACES };
+            let place = |at: (usize, f64)| {
+                let slope = edge.curve.slope(at);
+                (edge.curve.point(at), slope.normalize())
+            };
+            let mut places: Vec<(Point3, Vector3)> = (0..edge.curve.segments())
+                .flat_map(|segment| (0..count).map(move |i| (segment, i as f64 / count as f64)))
+                .map(place)
+                .collect();
+            let closed = edge.ends[0] == edge.ends[1];
+            if !closed {
+                places.push(place((edge.curve.segments() - 1, 1.0)));
+            }
+            SharpEdge { places, closed }
+        });
+        let tips = (self.lone.iter()).map(|&v| self.vertices[v as usize].point);
+        (edges.collect(), tips.collect())
+    }
+
+    /// The plane of a face, outward unit normal and its distance from the origin, m, at the support of a foot.
+    pub(crate) fn plane_at(&self, support: Support) -> Option<(u32, Vector3, f64)> {
+        let Support::Face(k) = support else {
+            return None;
+        };
+        self.plane_of(k)
+            .map(|(normal, offset_m)| (k, normal, offset_m))
+    }
+
+    /// That of a face by index.
+    pub(crate) fn plane_of(&self, face: u32) -> Option<(Vector3, f64)> {
+        let of = self.faces.get(face as usize)?;
+        let Carrier::Plane(axes) = &of.carrier else {
+            return None;
+        };
+        let normal = of.normal([0.0; 2]);
+        Some((normal, normal.dot(&axes.origin.coords)))
+    }
+}
