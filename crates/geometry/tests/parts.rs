@@ -5,6 +5,7 @@ use palpate_geometry::exchange::step::{PartPick, read_part};
 use palpate_geometry::math::{Point3, Random};
 use palpate_geometry::part::{Part, PartSolver, Support};
 use serde_json::Value;
+use std::f64::consts::PI;
 use std::path::PathBuf;
 
 const NAMES: [&str; 12] = [
@@ -196,4 +197,38 @@ fn changed_files_are_parts_or_errors() {
         built > 20 && refused > 20,
         "{built} built, {refused} refused"
     );
+}
+
+/// Rims of a hole that are quarters of tori, between two circles and a seam: which of the two bands between the circles is
+/// meant, the seam says, whichever way round a file walks the loops.
+#[test]
+fn a_seam_lies_in_its_face_whatever_the_sense_of_its_loops() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/bracket.step");
+    let text = std::fs::read_to_string(path).expect("the scene's part");
+    // Plate, wall, their fillet; less rounded corners, countersunk holes and a hole with rounded rims, mm³.
+    let corner = 1.0 - PI / 4.0;
+    let rim = 2.0 * PI * (8.0 + (10.0 - 3.0 * PI) / (12.0 - 3.0 * PI)) * corner;
+    let sunk = 54.0 * PI + 98.0 / 3.0 * PI - 18.0 * PI;
+    let volume = 14_400.0 + 9_360.0 + 1_000.0 * corner
+        - 24.0 * 64.0 * corner
+        - 2.0 * sunk
+        - 384.0 * PI
+        - 2.0 * rim;
+    for (from, to) in [
+        ("", ""),
+        (
+            "#231 = FACE_BOUND('',#232,.F.)",
+            "#231 = FACE_BOUND('',#232,.T.)",
+        ),
+    ] {
+        let edited = text.replace(from, to);
+        let read = read_part(edited.as_bytes(), &PartPick::default()).expect("a part");
+        let part = Part::new(&read.brep).expect("a part");
+        assert!(part.is_closed(), "{:?}", part.senses());
+        let measured = part.measure().volume_m3.expect("closed") * 1e9;
+        assert!(
+            (measured / volume - 1.0).abs() < 1e-9,
+            "{measured} for {volume}"
+        );
+    }
 }

@@ -327,12 +327,27 @@ impl<'a> Build<'a> {
         let trim = match walks.is_empty() {
             true if chart.is_bounded() => Trim::whole(chart),
             true => return Err(fail(TrimProblem::Unbounded)),
-            false => Trim::new(chart, &walks).or_else(|problem| {
-                // Either the sense or the loops are the wrong way: the faces beside tell which.
-                walks.iter_mut().for_each(turn);
-                same_sense = !same_sense;
-                Trim::new(chart, &walks).map_err(|_| fail(problem))
-            })?,
+            false => {
+                let seams = self.seams(face, solver.as_deref_mut());
+                let on_seams =
+                    |trim: &Trim| seams.iter().all(|&uv| trim.contains(chart.confined(uv)));
+                match Trim::new(chart, &walks) {
+                    Ok(trim) if on_seams(&trim) => trim,
+                    first => {
+                        // Either the sense or the loops are the wrong way: the faces beside tell which.
+                        walks.iter_mut().for_each(turn);
+                        match (Trim::new(chart, &walks), first) {
+                            (Ok(trim), Ok(first)) if !on_seams(&trim) => first,
+                            (Err(_), Ok(first)) => first,
+                            (Err(_), Err(problem)) => return Err(fail(problem)),
+                            (Ok(trim), _) => {
+                                same_sense = !same_sense;
+                                trim
+                            }
+                        }
+                    }
+                }
+            }
         };
         let built = Face {
             id: face.id,
@@ -388,6 +403,33 @@ impl<'a> Build<'a> {
             }
         }
         Ok(out)
+    }
+
+    /// Places of the carrier in the middle of the face's seams, which lie in the face.
+    fn seams(&self, face: &BrepFace, solver: Option<&mut ClosestSolver>) -> Vec<[f64; 2]> {
+        let mut uses: Vec<(u32, bool)> = face.bounds.iter().fold(Vec::new(), |mut all, bound| {
+            if let BrepBound::Loop(uses) = bound {
+                all.extend(uses);
+            }
+            all
+        });
+        uses.sort_unstable();
+        let both = uses
+            .windows(2)
+            .filter(|pair| pair[0].0 == pair[1].0 && pair[0].1 != pair[1].1);
+        let middles = both.filter_map(|pair| {
+            let curve = &self.edges[pair[0].0 as usize].curve;
+            curve.samples(3).nth(1).map(|at| curve.point(at))
+        });
+        match (&face.carrier, solver) {
+            (Carrier::Spline(surface), Some(solver)) => middles
+                .map(|point| {
+                    let foot = solver.closest(surface, &point);
+                    [foot.u, foot.v]
+                })
+                .collect(),
+            (carrier, _) => middles.filter_map(|point| carrier.foot(&point)).collect(),
+        }
     }
 
     /// The vertex at which a use starts, or at which it ends.
