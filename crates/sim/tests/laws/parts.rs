@@ -1,6 +1,6 @@
 //! Parts of STEP files as bodies: closed forms, continuity over edges, replay.
 
-use crate::common::World;
+use crate::common::{World, pose};
 use palpate_geometry::math::{Point3, Random, SavedState, Vector3, state_hash};
 use palpate_geometry::skin::SkinSolver;
 use palpate_sim::scene::{Scene, file};
@@ -218,4 +218,41 @@ fn a_slide_over_a_part_replays_from_any_state() {
         again.at(at(k).into());
     }
     assert_eq!(state_hash(&again.state), end);
+}
+
+/// A part as a tool, over a rigid sheet at z = 0.
+fn tool_over_sheet(name: &str, height_m: f64) -> String {
+    format!(
+        "[[body]]\nid = \"sheet\"\nsurface = {{ builtin = \"sheet\", size = 0.3 }}\n\
+         [[tool]]\nid = \"part\"\nshape = {{ surface = {{ inline = {{ step = '''\n{}''' }} }} }}\n\
+         pose = {{ position = [-0.03, -0.02, {height_m}] }}\n\
+         coupling = {{ stiffness_n_m = {STIFFNESS_N_M}, damping_n_s_m = 0.0 }}\n\
+         device = {{ force_max_n = 500.0, ramp_s = 0.0, speed_max_m_s = 1000.0 }}\n",
+        step(name)
+    )
+}
+
+// Turned by any angle, a rounded box touches with its lowest point, which is no corner of its triangles.
+#[test]
+fn a_part_as_a_tool_presses_with_the_depth_of_its_lowest_point() {
+    let mut random = Random(11);
+    let mut worst = 0.0_f64;
+    for _ in 0..6 {
+        let turn = random.rotation();
+        let mut world = World::new(&tool_over_sheet("filleted_box", 0.2));
+        // The support of a rounded box downwards, from its origin.
+        let down = turn.inverse_transform_vector(&-Vector3::z());
+        let half = Vector3::new(0.026, 0.016, 0.006);
+        let lowest_m = down.dot(&Vector3::new(0.03, 0.02, 0.01)) + half.dot(&down.abs()) + 0.004;
+        let mut force_n = 0.0;
+        for k in 0..400 {
+            let height_m = lowest_m + 0.02 - 1e-4 * f64::from(k.min(220));
+            let mut device = pose(0, [-0.03, -0.02, height_m]);
+            device.orientation = turn;
+            force_n = world.posed(device).tools[0].force_n.z;
+        }
+        worst = worst.max((force_n / STIFFNESS_N_M - 0.002).abs());
+    }
+    println!("off by {worst:e} m");
+    assert!(worst < 1e-7, "off by {worst} m");
 }
