@@ -7,7 +7,7 @@ use super::bezier;
 use super::carrier::Carrier;
 use super::part::{Face, Part};
 use super::trim::{Trim, Walk};
-use crate::math::{Point3, Vector3, gauss_legendre};
+use crate::math::{Matrix3, Point3, Vector3, gauss_legendre};
 use std::f64::consts::FRAC_PI_4;
 
 /// Points of the rule on a piece of an arc, and between two breaks on the way across.
@@ -42,7 +42,51 @@ pub struct PartMeasure {
     pub volume_m3: Option<f64>,
 }
 
+/// Moments of the space within the faces, about a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PartMoments {
+    /// The middle of the box around the part, m.
+    pub about: Point3,
+    /// m³.
+    pub volume_m3: f64,
+    /// ∫ x dV, m⁴.
+    pub first: Vector3,
+    /// ∫ x xᵀ dV, m⁵.
+    pub second: Matrix3,
+}
+
 impl Part {
+    /// Volume, first and second moments by the divergence theorem: V = ⅓ ∮ x · n, ∫ xᵢ = ½ ∮ xᵢ² nᵢ, ∫ xᵢ² = ⅓ ∮ xᵢ³ nᵢ,
+    /// ∫ xᵢ xⱼ = ½ ∮ xᵢ² xⱼ nᵢ. `None` for parts without an inside.
+    pub fn moments(&self) -> Option<PartMoments> {
+        if !self.is_closed() {
+            return None;
+        }
+        let rules = Rules([POINTS, FEW_POINTS].map(gauss_legendre));
+        let (low, high) = self.bounds();
+        let about = nalgebra::center(&low, &high);
+        let over = |f: &dyn Fn(&Vector3, &Vector3) -> f64| -> f64 {
+            let faces = self.faces.iter().map(|face| {
+                let sense = if face.same_sense { 1.0 } else { -1.0 };
+                sense * face.integral(&rules, |point, across| f(&(point - about), across))
+            });
+            faces.sum()
+        };
+        let mixed = |i: usize, j: usize| match i == j {
+            true => over(&|x, n| x[i] * x[i] * x[i] * n[i] / 3.0),
+            // Both orders are exact: their mean is symmetric.
+            false => over(&|x, n| 0.25 * x[i] * x[j] * (x[i] * n[i] + x[j] * n[j])),
+        };
+        let [xx, xy, xz, yy, yz, zz] =
+            [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|(i, j)| mixed(i, j));
+        Some(PartMoments {
+            about,
+            volume_m3: over(&|x, n| x.dot(n) / 3.0),
+            first: Vector3::from([0, 1, 2].map(|i| over(&|x, n| 0.5 * x[i] * x[i] * n[i]))),
+            second: Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz),
+        })
+    }
+
     /// Areas of the faces and the volume within.
     pub fn measure(&self) -> PartMeasure {
         let rules = Rules([POINTS, FEW_POINTS].map(gauss_legendre));

@@ -27,7 +27,7 @@ pub use brep::{Brep, BrepBound, BrepCurve, BrepEdge, BrepFace, BrepShell, OutOfR
 pub use carrier::{Axes, Carrier};
 pub use closest::{PartFoot, PartSolver, Support};
 pub use curve::CurveProblem;
-pub use measure::PartMeasure;
+pub use measure::{PartMeasure, PartMoments};
 pub(crate) use minima::{Mark, PartMinima};
 pub use part::{FaceInfo, Part, PartError};
 pub use senses::{SenseProblem, Senses};

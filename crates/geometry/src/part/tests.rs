@@ -157,3 +157,55 @@ fn distances_and_signs_are_those_of_closed_forms() {
         println!("{name}: off by {worst:.1e} m at most");
     }
 }
+
+/// Balls and rings in random poses: moments by closed forms, about the middle of their box.
+#[test]
+fn moments_are_those_of_closed_forms() {
+    let mut random = Random(17);
+    for _ in 0..5 {
+        let turn = random.rotation().to_rotation_matrix().into_inner();
+        let at = Axes::new(
+            Point3::from(random.vector()),
+            &turn.column(2).into_owned(),
+            Some(&turn.column(0).into_owned()),
+        )
+        .expect("an axis");
+        let (r, major) = (random.float(0.01, 0.02), random.float(0.03, 0.05));
+        let ball = 4.0 / 3.0 * PI * r.powi(3);
+        let ring = 2.0 * PI * PI * major * r * r;
+        let across = ring * (0.5 * major * major + 0.375 * r * r);
+        let of_ring = [across, across, ring * 0.25 * r * r];
+        for (carrier, volume, spread) in [
+            (
+                Carrier::Sphere {
+                    axes: at.clone(),
+                    radius_m: r,
+                },
+                ball,
+                [ball * r * r / 5.0; 3],
+            ),
+            (
+                Carrier::Torus {
+                    axes: at.clone(),
+                    major_m: major,
+                    minor_m: r,
+                },
+                ring,
+                of_ring,
+            ),
+        ] {
+            let part = Part::new(&whole(carrier)).expect("a part");
+            let found = part.moments().expect("closed");
+            let off = at.origin - found.about;
+            let second = turn * Matrix3::from_diagonal(&Vector3::from(spread)) * turn.transpose()
+                + off * off.transpose() * volume;
+            let size_m = part.size_m();
+            assert!((found.volume_m3 / volume - 1.0).abs() < 1e-11);
+            assert!((found.first - off * volume).norm() < 1e-11 * volume * size_m);
+            assert!(
+                (found.second - second).norm() < 1e-11 * volume * size_m * size_m,
+                "{found:?}"
+            );
+        }
+    }
+}

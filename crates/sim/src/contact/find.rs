@@ -237,8 +237,20 @@ fn ball(search: &mut Search<'_>, p: usize, t: usize, radius_m: f64) {
     };
     let feet = std::iter::once(&first).chain(set.contacts().iter().filter(same));
     let view = view(body, parts);
+    let side = if proxy.below { -1.0 } else { 1.0 };
     let Some(view) = view.filter(|_| radius_m > 0.0) else {
-        return push_plain(rows, p, pair, feet, view.as_ref(), way, margin);
+        if body.skin.part().is_none() {
+            return push_plain(rows, p, pair, feet, view.as_ref(), way, margin);
+        }
+        // From face to face feet keep their numbers.
+        let stance = Stance {
+            pose: &here,
+            size_m: body.size_m,
+            side,
+            margin_m: margin,
+            remembers: false,
+        };
+        return push_manifold(rows, p, pair, feet, warm.rows(), parts, &stance, way);
     };
     let centre = held.centre;
     let look = |point: &Point3| {
@@ -263,7 +275,7 @@ fn ball(search: &mut Search<'_>, p: usize, t: usize, radius_m: f64) {
         pose: &here,
         follow: Follow::Rolls,
         size_m: body.size_m,
-        side: if proxy.below { -1.0 } else { 1.0 },
+        side,
         margin_m: margin,
         every,
         sunk_m: *sunk_m,
@@ -478,20 +490,21 @@ fn shape(search: &mut Search<'_>, p: usize, t: usize) -> Pose {
     }
     let warm = warm.rows();
     let edges_known = tool.shape.features().is_some();
-    if view.is_none() && (edges_known || tool.coupling.turns()) {
+    let is_part = body.skin.part().is_some();
+    if view.is_none() && (edges_known || tool.coupling.turns() || is_part) {
         let side = if proxy.below { -1.0 } else { 1.0 };
         let stance = Stance {
             pose: &pose,
             size_m: body.size_m,
             side,
             margin_m: margin,
-            remembers: !edges_known,
+            remembers: !edges_known && tool.coupling.turns(),
         };
         push_manifold(
             rows,
             p,
             pair,
-            scratch_pair.set.contacts(),
+            scratch_pair.set.contacts().iter(),
             warm,
             parts,
             &stance,

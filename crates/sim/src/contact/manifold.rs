@@ -30,11 +30,11 @@ pub(super) struct Stance<'a> {
 }
 
 /// Rows of the contacts found now, and perhaps of those remembered from the last tick.
-pub(super) fn push_manifold(
+pub(super) fn push_manifold<'a>(
     rows: &mut RowSet,
     p: usize,
     pair: &Pair,
-    found: &[Contact],
+    found: impl Iterator<Item = &'a Contact>,
     remembered: &[WarmRow],
     parts: &BodyScratch,
     stance: &Stance<'_>,
@@ -54,7 +54,7 @@ pub(super) fn push_manifold(
     let mut taken = 0u64;
     let mut points = [Point3::origin(); MAX_FEET];
     let mut count = 0;
-    for contact in found.iter().take(MAX_FEET) {
+    for contact in found.take(MAX_FEET) {
         let near = |(number, row): &(u32, &WarmRow)| {
             taken >> number & 1 == 0 && !apart(&place(row), &contact.on_tool)
         };

@@ -5,7 +5,7 @@ use super::mass::Mass;
 use super::mover::{MovedBy, Mover};
 use super::spec::{BodySpec, SceneSpec};
 use palpate_geometry::math::{Pose, Vector3};
-use palpate_geometry::surface::Surface;
+use palpate_geometry::skin::Skin;
 
 /// Fastest that a body starts, m/s, and turns, rad/s: beyond, it crosses itself in a tick.
 const MOST_LAUNCH: [f64; 2] = [100.0, 1_000.0];
@@ -25,12 +25,12 @@ pub(crate) struct Free {
     pub sleep_m_s: f64,
 }
 
-/// Reads `free = true` of a body with this surface, placed in the world. Its frame becomes that of its
+/// Reads `free = true` of a body, placed in the world. Its frame becomes that of its
 /// principal axes.
 pub(super) fn build(
     scene: &SceneSpec,
     spec: &BodySpec,
-    surface: &Surface,
+    skin: &Skin,
     density_kg_m3: f64,
     at: &At<'_>,
 ) -> Option<Mover> {
@@ -67,12 +67,15 @@ pub(super) fn build(
         );
     }
     let launch = launch_of(spec, at);
-    if !surface.topology().is_closed() {
+    if !skin.is_closed() {
         return key.refused(
             "a free body needs a closed surface, which has a volume and so a mass; this one is open: close it or drop free",
         );
     }
-    let mass = Mass::inside(surface, density_kg_m3);
+    let mass = match skin {
+        Skin::Surface(surface) => Mass::inside(surface, density_kg_m3),
+        Skin::Part(placed) => Mass::inside_part(placed, skin.points(), density_kg_m3),
+    };
     let Some(mass) = mass else {
         return key.refused(
             "the surface of a free body must enclose a volume; this one encloses none: give it thickness or drop free",

@@ -15,6 +15,8 @@ use palpate_geometry::basis::KnotVector;
 use palpate_geometry::math::{
     Matrix3, Point3, Rotation, Vector3, gauss_legendre, rotation_by, symmetric_eigen,
 };
+use palpate_geometry::part::PartMoments;
+use palpate_geometry::skin::PlacedPart;
 use palpate_geometry::surface::Surface;
 
 /// Fewest Gauss points a knot span of a surface with weights.
@@ -72,6 +74,38 @@ impl Mass {
                 }
             }
         }
+        Self::of(density_kg_m3, (middle, volume, first, second), points)
+    }
+
+    /// Of matter of one density (kg/m³) inside a part; `None` if it has no inside.
+    pub fn inside_part(
+        placed: &PlacedPart,
+        corners: &[Point3],
+        density_kg_m3: f64,
+    ) -> Option<Self> {
+        let PartMoments {
+            about,
+            volume_m3,
+            first,
+            second,
+        } = placed.part().moments()?;
+        let turn = placed.pose().rotation.to_rotation_matrix().into_inner();
+        let middle = (placed.pose() * about).coords;
+        let moments = (
+            middle,
+            volume_m3,
+            turn * first,
+            turn * second * turn.transpose(),
+        );
+        Self::of(density_kg_m3, moments, corners)
+    }
+
+    /// From a point, and volume, first and second moments about it; the matter is within the box of the points.
+    fn of(
+        density_kg_m3: f64,
+        (middle, volume, first, second): (Vector3, f64, Vector3, Matrix3),
+        points: &[Point3],
+    ) -> Option<Self> {
         let from_middle = first / volume;
         let about = second - from_middle * from_middle.transpose() * volume;
         let (spread, columns) = symmetric_eigen(about.as_slice(), 3);

@@ -171,7 +171,6 @@ fn a_part_that_moves_lifts_a_ball() {
 fn parts_that_would_deform_are_refused_with_what_would_help() {
     for (more, words) in [
         ("model = \"continuum\"", "surface fit"),
-        ("free = true", "does not move freely"),
         (
             "fixed = [{ point = [0.0, 0.0, 0.0], normal = [0.0, 0.0, 1.0] }]",
             "no nodes",
@@ -255,4 +254,53 @@ fn a_part_as_a_tool_presses_with_the_depth_of_its_lowest_point() {
     }
     println!("off by {worst:e} m");
     assert!(worst < 1e-7, "off by {worst} m");
+}
+
+// A free part lies on a plane on its corners: it bears its weight and stays where it is.
+#[test]
+fn a_free_part_lies_still_on_a_plane() {
+    let text = format!(
+        "[gravity]\nacceleration = [0.0, 0.0, -9.81]\n[[body]]\nid = \"part\"\nfree = true\n\
+         material = {{ density_kg_m3 = 2700.0 }}\npose = {{ position = [0.0, 0.0, 0.001] }}\n\
+         surface = {{ inline = {{ step = '''\n{}''' }} }}\n\
+         [[tool]]\nid = \"floor\"\nshape = {{ plane = {{ normal = [0.0, 0.0, 1.0] }} }}\n\
+         [[contact]]\npair = [\"floor\", \"part\"]\nfriction = {{ mu = 0.5 }}\n",
+        step("shelled_box")
+    );
+    let mut world = World::new(&text);
+    let floor = pose(0, [0.0; 3]);
+    for _ in 0..600 {
+        world.posed(floor);
+    }
+    let corners = |world: &World| {
+        let mut points = world.scene.skin(0).points().to_vec();
+        world.state.copy_net(&world.scene, 0, &mut points);
+        points
+    };
+    let before = corners(&world);
+    for _ in 0..400 {
+        world.posed(floor);
+    }
+    let after = corners(&world);
+    let moved = before.iter().zip(&after).map(|(a, b)| (a - b).norm());
+    let moved_m = moved.fold(0.0, f64::max);
+    let weight_n = world.scratch.contact_force_on(0).z;
+    let part = world.scene.skin(0).part().expect("a part").part();
+    let mass_kg = 2700.0 * part.moments().expect("closed").volume_m3;
+    println!(
+        "moved {moved_m:e} m, bears {weight_n} N of {}",
+        mass_kg * 9.81
+    );
+    assert!(moved_m < 1e-6, "{moved_m} m");
+    assert!(
+        (weight_n / (mass_kg * 9.81) - 1.0).abs() < 1e-3,
+        "{weight_n} N"
+    );
+    assert!(
+        after
+            .iter()
+            .map(|p| p.z.abs())
+            .fold(f64::INFINITY, f64::min)
+            < 1e-4
+    );
 }

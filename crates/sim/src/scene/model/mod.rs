@@ -101,17 +101,21 @@ pub(super) fn build(
     let Loaded { surface, merged } = match loaded? {
         Named::Surface(loaded) => loaded,
         Named::Part(part, notes) => {
-            let mover = moved?;
             part::check(spec, at, &part)?;
+            let skin = Skin::Part(PlacedPart::new(Arc::from(part), placement));
+            let mover = match spec.free {
+                true => free::build(scene, spec, &skin, material.density_kg_m3, at).map(Some),
+                false => moved,
+            };
             return Some(Body {
                 id: spec.id.clone(),
                 original_net: [0; 2],
-                size_m: part.size_m(),
-                two_sided: !part.is_closed(),
-                skin: Skin::Part(PlacedPart::new(Arc::from(part), placement)),
+                size_m: skin.size_m(),
+                two_sided: !skin.is_closed(),
+                skin,
                 notes,
                 model: BodyModel::Rigid,
-                mover,
+                mover: mover?,
             });
         }
     };
@@ -119,7 +123,10 @@ pub(super) fn build(
     // What is one place moves together, so it starts equal bit for bit.
     let original = (at.key("pose").key("position").take(original)?).with_exact_seams();
     let mover = match spec.free {
-        true => free::build(scene, spec, &original, material.density_kg_m3, at).map(Some),
+        true => {
+            let skin = Skin::Surface(original.clone());
+            free::build(scene, spec, &skin, material.density_kg_m3, at).map(Some)
+        }
         false => moved,
     };
     let original_net = [original.net().rows(), original.net().columns()];

@@ -16,12 +16,6 @@ pub(super) fn check(spec: &BodySpec, at: &At<'_>, part: &Part) -> Option<()> {
             spec.model().name()
         ));
     }
-    if spec.free {
-        at.key("free").refuse(
-            "a part does not move freely yet; fit a surface to it (palpate surface tessellate, then palpate surface fit), or \
-             give it a motion",
-        );
-    }
     rigid::check(spec, at);
     let given = [
         ("fixed", !spec.fixed.is_empty()),
