@@ -3,6 +3,7 @@
 //! A minimum of the distance to a trimmed face is either a minimum of the distance to its carrier, inside the loops, or on
 //! an edge. So the certificate of the carriers carries over, and no bound has to know the loops.
 
+use super::basins::{Known, SAME, Verdict};
 use super::carrier::Carrier;
 use super::part::{Edge, Part};
 use super::tree::Tree;
@@ -68,6 +69,8 @@ pub struct PartFoot {
 pub struct PartSolver {
     /// By face: for those on B-splines.
     pub(super) splines: Vec<Option<Box<ClosestSolver>>>,
+    /// By face: for those on B-splines, what spares searches; none where nothing is known of neighbours either.
+    pub(super) known: Vec<Option<Box<Known>>>,
     feet: Vec<ClosestPoint>,
     /// What is around each face and each vertex; of the part alone.
     pub(super) near: Near,
@@ -99,13 +102,22 @@ impl PartSolver {
             Carrier::Spline(surface) => Some(Box::new(ClosestSolver::new(surface))),
             _ => None,
         };
+        let mut splines: Vec<_> = (part.faces.iter())
+            .map(|face| solver(&face.carrier))
+            .collect();
+        let known = |(k, solver): (usize, &mut Option<Box<ClosestSolver>>)| match (
+            &part.faces[k].carrier,
+            solver,
+        ) {
+            (Carrier::Spline(surface), Some(solver)) => {
+                Some(Box::new(Known::new(part, k as u32, solver, surface)))
+            }
+            _ => None,
+        };
         Self {
             near: Near::new(part),
-            ..Self::with(
-                (part.faces.iter())
-                    .map(|face| solver(&face.carrier))
-                    .collect(),
-            )
+            known: splines.iter_mut().enumerate().map(known).collect(),
+            ..Self::with(splines)
         }
     }
 
@@ -113,6 +125,7 @@ impl PartSolver {
     pub(super) fn with(splines: Vec<Option<Box<ClosestSolver>>>) -> Self {
         Self {
             splines,
+            known: Vec::new(),
             feet: Vec::with_capacity(MOST_FEET),
             near: Near::default(),
         }
@@ -143,8 +156,7 @@ impl PartSolver {
         if !q.iter().all(|x| x.is_finite()) {
             return None;
         }
-        let Self { splines, feet, .. } = self;
-        let (best, certified) = nearest(part, q, trees, splines, feet, None);
+        let (best, certified) = nearest(part, q, trees, self.scratch().0, None);
         best.map(|best| answer(part, q, &best, certified))
     }
 
@@ -157,17 +169,35 @@ impl PartSolver {
         around: Option<u32>,
         seed: Option<(Best, bool)>,
     ) -> (Option<Best>, bool) {
-        let Self {
-            splines,
-            feet,
-            near,
-        } = self;
+        let (scratch, near) = self.scratch();
         let trees = match around {
             Some(face) => near.trees(face),
             None => [&part.wires, &part.skin],
         };
-        nearest(part, q, trees, splines, feet, seed)
+        nearest(part, q, trees, scratch, seed)
     }
+
+    fn scratch(&mut self) -> (Scratch<'_>, &Near) {
+        let Self {
+            splines,
+            known,
+            feet,
+            near,
+        } = self;
+        let scratch = Scratch {
+            splines,
+            known,
+            feet,
+        };
+        (scratch, near)
+    }
+}
+
+/// What a search works with.
+struct Scratch<'a> {
+    splines: &'a mut [Option<Box<ClosestSolver>>],
+    known: &'a mut [Option<Box<Known>>],
+    feet: &'a mut Vec<ClosestPoint>,
 }
 
 /// The nearest of what trees over edges and lone vertices and over faces hold, as [`PartSolver::search`].
@@ -175,8 +205,11 @@ fn nearest(
     part: &Part,
     q: &Point3,
     [wires, skin]: [&Tree; 2],
-    splines: &mut [Option<Box<ClosestSolver>>],
-    feet: &mut Vec<ClosestPoint>,
+    Scratch {
+        splines,
+        known: basins,
+        feet,
+    }: Scratch<'_>,
     seed: Option<(Best, bool)>,
 ) -> (Option<Best>, bool) {
     let mut best = seed.map(|(best, _)| best);
@@ -193,18 +226,16 @@ fn nearest(
         Support::Face(k) if known => Some(k),
         _ => None,
     });
+    let edges_m = ceiling.sqrt();
+    let same_m = SAME * part.size_m();
     let mut certified = true;
-    skin.nearest(q, &mut ceiling, |k, ceiling| {
-        if known == Some(k) {
-            return;
-        }
-        let face = &part.faces[k as usize];
-        let mut offer = |point: Point3, uv: [f64; 2], ceiling: &mut f64| {
+    let offer =
+        |k: u32, point: Point3, uv: [f64; 2], ceiling: &mut f64, best: &mut Option<Best>| {
             let squared = (q - point).norm_squared();
-            let nearer = squared < *ceiling && face.trim.contains(uv);
+            let nearer = squared < *ceiling && part.faces[k as usize].trim.contains(uv);
             if nearer {
                 *ceiling = squared;
-                best = Some(Best {
+                *best = Some(Best {
                     point,
                     support: Support::Face(k),
                     at: At::Face(uv),
@@ -213,19 +244,37 @@ fn nearest(
             }
             nearer
         };
+    skin.nearest(q, &mut ceiling, |k, ceiling| {
+        if known == Some(k) {
+            return;
+        }
+        let face = &part.faces[k as usize];
         match (&face.carrier, &mut splines[k as usize]) {
             (Carrier::Spline(surface), Some(solver)) => {
                 let within = ceiling.sqrt();
+                if let Some(Some(known)) = basins.get_mut(k as usize) {
+                    let at = (&mut **solver, &**surface);
+                    let verdict = known.judge(part, k, at, q, [within, edges_m], best.as_ref());
+                    if verdict != Verdict::Unknown {
+                        return;
+                    }
+                }
                 // A copy of the scratch begins without room.
                 feet.clear();
                 feet.reserve(MOST_FEET);
                 certified &= solver.minima_within(surface, q, within, feet);
-                // Where the B-spline ends, an edge is as near.
-                let inner = feet
-                    .iter()
-                    .filter(|foot| !face.carrier.is_on_rim(&face.rims, [foot.u, foot.v]));
+                // Where the B-spline ends, an edge is as near; what is known is not found again.
+                let same = |foot: &ClosestPoint| {
+                    seed.is_some_and(|(best, _)| {
+                        best.support == Support::Face(k)
+                            && (foot.point - best.point).norm() <= same_m
+                    })
+                };
+                let inner = feet.iter().filter(|foot| {
+                    !face.carrier.is_on_rim(&face.rims, [foot.u, foot.v]) && !same(foot)
+                });
                 for foot in inner {
-                    if offer(foot.point, [foot.u, foot.v], ceiling) {
+                    if offer(k, foot.point, [foot.u, foot.v], ceiling, &mut best) {
                         break;
                     }
                 }
@@ -234,7 +283,7 @@ fn nearest(
                 if carrier.may_be_within(q, *ceiling)
                     && let Some(uv) = carrier.foot(q)
                 {
-                    offer(carrier.point(uv), uv, ceiling);
+                    offer(k, carrier.point(uv), uv, ceiling, &mut best);
                 }
             }
         }
