@@ -3,8 +3,9 @@
 //! What is kept only spares searches: an answer is the same whatever is kept.
 
 use super::bezier;
-use super::closest::{At, Best, Support};
-use super::part::{Face, Part};
+use super::closest::{At, Best, Support, wire};
+use super::part::Part;
+use super::tree::Tree;
 use crate::math::Point3;
 use crate::surface::{Basin, Clip, ClosestSolver, Surface};
 
@@ -51,30 +52,21 @@ impl Known {
     }
 
     /// Whether the face has a minimum of the distance, off its edges, that is nearer than `within_m` and not the one that is
-    /// known already. No edge of the face is nearer than `edges_m`.
+    /// known already. `own` holds the edges of the face.
     pub fn judge(
         &mut self,
         part: &Part,
         k: u32,
         (solver, surface): (&mut ClosestSolver, &Surface),
         q: &Point3,
-        [within_m, edges_m]: [f64; 2],
+        within_m: f64,
+        own: &Tree,
         best: Option<&Best>,
     ) -> Verdict {
-        let face = &part.faces[k as usize];
         let same_m = SAME * self.size_m;
         let clears = |basin: &Basin| basin.clear_m(q) > within_m + same_m;
         if let Some(basin) = self.basin.filter(clears) {
-            return verdict(
-                face,
-                k,
-                (solver, surface),
-                q,
-                &basin,
-                [within_m, edges_m],
-                best,
-                same_m,
-            );
+            return verdict(part, k, (solver, surface), q, &basin, within_m, own, best);
         }
         if let Some((at, of_m)) = self.failed
             && (q - at).norm() <= AGAIN * self.size_m
@@ -88,7 +80,8 @@ impl Known {
             At::Edge(e, at) => {
                 let edge = &part.edges[e as usize];
                 let side = edge.sides.iter().find(|side| side.face == k)?;
-                Some(face.trim.chart.confined(edge.on(side, &part.faces, at)?))
+                let chart = &part.faces[k as usize].trim.chart;
+                Some(chart.confined(edge.on(side, &part.faces, at)?))
             }
             _ => None,
         });
@@ -104,19 +97,11 @@ impl Known {
                 &self.clips,
             );
         }
-        self.basin = basin.filter(clears);
-        self.failed = self.basin.is_none().then_some((*q, within_m));
-        match self.basin {
-            Some(basin) => verdict(
-                face,
-                k,
-                (solver, surface),
-                q,
-                &basin,
-                [within_m, edges_m],
-                best,
-                same_m,
-            ),
+        let basin = basin.filter(clears);
+        self.failed = basin.is_none().then_some((*q, within_m));
+        self.basin = basin.or(self.basin);
+        match basin {
+            Some(basin) => verdict(part, k, (solver, surface), q, &basin, within_m, own, best),
             None => Verdict::Unknown,
         }
     }
@@ -124,14 +109,14 @@ impl Known {
 
 /// What a basin says that clears the ceiling.
 fn verdict(
-    face: &Face,
+    part: &Part,
     k: u32,
     (solver, surface): (&mut ClosestSolver, &Surface),
     q: &Point3,
     basin: &Basin,
-    [within_m, edges_m]: [f64; 2],
+    within_m: f64,
+    own: &Tree,
     best: Option<&Best>,
-    same_m: f64,
 ) -> Verdict {
     if basin.is_empty() {
         return Verdict::Nothing;
@@ -139,8 +124,11 @@ fn verdict(
     let Some(lowest) = solver.lowest_of(surface, q, basin) else {
         return Verdict::Unknown;
     };
-    let foot = lowest.at;
-    if lowest.leaves || foot.distance > within_m + same_m {
+    let face = &part.faces[k as usize];
+    let same_m = SAME * part.size_m();
+    let (foot, uv) = (lowest.at, [lowest.at.u, lowest.at.v]);
+    if lowest.leaves || foot.distance > within_m + same_m || face.carrier.is_on_rim(&face.rims, uv)
+    {
         return Verdict::Nothing;
     }
     if let Some(best) = best
@@ -149,12 +137,18 @@ fn verdict(
     {
         return Verdict::Same;
     }
-    let uv = [foot.u, foot.v];
-    // What is nearer than all edges is as far from them as it is nearer: rounding does not bring it over one.
-    let off_edges = foot.distance < edges_m - same_m;
-    match face.carrier.is_on_rim(&face.rims, uv) || off_edges && !face.trim.contains(uv) {
-        true => Verdict::Nothing,
-        false => Verdict::Unknown,
+    if face.trim.contains(uv) {
+        return Verdict::Unknown;
+    }
+    // Rounding must not bring it over an edge.
+    let close_m = same_m + 2.0 * part.gap_m();
+    let mut near = false;
+    own.nearest(&foot.point, &mut (close_m * close_m), |item, ceiling| {
+        near |= wire(part, &foot.point, item, *ceiling).is_some();
+    });
+    match near {
+        true => Verdict::Unknown,
+        false => Verdict::Nothing,
     }
 }
 

@@ -156,7 +156,7 @@ impl PartSolver {
         if !q.iter().all(|x| x.is_finite()) {
             return None;
         }
-        let (best, certified) = nearest(part, q, trees, self.scratch().0, None);
+        let (best, certified) = nearest(part, q, Some(trees), self.scratch(), None, f64::INFINITY);
         best.map(|best| answer(part, q, &best, certified))
     }
 
@@ -169,27 +169,50 @@ impl PartSolver {
         around: Option<u32>,
         seed: Option<(Best, bool)>,
     ) -> (Option<Best>, bool) {
-        let (scratch, near) = self.scratch();
-        let trees = match around {
-            Some(face) => near.trees(face),
-            None => [&part.wires, &part.skin],
+        let trees = around.map(|face| self.near.trees(face));
+        let scratch = Scratch {
+            splines: &mut self.splines,
+            known: &mut self.known,
+            feet: &mut self.feet,
+            near: &self.near,
         };
-        nearest(part, q, trees, scratch, seed)
+        nearest(part, q, trees, scratch, seed, f64::INFINITY)
     }
 
-    fn scratch(&mut self) -> (Scratch<'_>, &Near) {
-        let Self {
-            splines,
-            known,
-            feet,
-            near,
-        } = self;
-        let scratch = Scratch {
-            splines,
-            known,
-            feet,
+    /// [`PartSolver::search`] of the whole part for what is nearer than the root of `most` (m²).
+    pub(super) fn search_within(
+        &mut self,
+        part: &Part,
+        q: &Point3,
+        seed: Option<(Best, bool)>,
+        most: f64,
+    ) -> (Option<Best>, bool) {
+        nearest(part, q, None, self.scratch(), seed, most)
+    }
+
+    /// Whether it is known without a search that a B-spline face has no minimum of the distance up to `within_m`, off its
+    /// edges.
+    pub(super) fn has_none(&mut self, part: &Part, k: u32, q: &Point3, within_m: f64) -> bool {
+        let carrier = &part.faces[k as usize].carrier;
+        let (Carrier::Spline(surface), Some(solver), Some(Some(known))) = (
+            carrier,
+            &mut self.splines[k as usize],
+            self.known.get_mut(k as usize),
+        ) else {
+            return false;
         };
-        (scratch, near)
+        let own = self.near.own(k);
+        let at = (&mut **solver, &**surface);
+        known.judge(part, k, at, q, within_m, own, None) == Verdict::Nothing
+    }
+
+    fn scratch(&mut self) -> Scratch<'_> {
+        Scratch {
+            splines: &mut self.splines,
+            known: &mut self.known,
+            feet: &mut self.feet,
+            near: &self.near,
+        }
     }
 }
 
@@ -198,20 +221,25 @@ struct Scratch<'a> {
     splines: &'a mut [Option<Box<ClosestSolver>>],
     known: &'a mut [Option<Box<Known>>],
     feet: &'a mut Vec<ClosestPoint>,
+    near: &'a Near,
 }
 
-/// The nearest of what trees over edges and lone vertices and over faces hold, as [`PartSolver::search`].
+/// The nearest of what trees over edges and lone vertices and over faces hold, or of all, as [`PartSolver::search`]: as far
+/// as it is nearer than the root of `most` (m²).
 fn nearest(
     part: &Part,
     q: &Point3,
-    [wires, skin]: [&Tree; 2],
+    trees: Option<[&Tree; 2]>,
     Scratch {
         splines,
         known: basins,
         feet,
+        near,
     }: Scratch<'_>,
     seed: Option<(Best, bool)>,
+    most: f64,
 ) -> (Option<Best>, bool) {
+    let [wires, skin] = trees.unwrap_or([&part.wires, &part.skin]);
     let mut best = seed.map(|(best, _)| best);
     nearest_wire(part, q, wires, &mut best);
     let mut ceiling = best.map_or_else(
@@ -222,11 +250,11 @@ fn nearest(
         },
         |best| best.squared,
     );
+    ceiling = ceiling.min(most);
     let known = seed.and_then(|(best, known)| match best.support {
         Support::Face(k) if known => Some(k),
         _ => None,
     });
-    let edges_m = ceiling.sqrt();
     let same_m = SAME * part.size_m();
     let mut certified = true;
     let offer =
@@ -254,7 +282,8 @@ fn nearest(
                 let within = ceiling.sqrt();
                 if let Some(Some(known)) = basins.get_mut(k as usize) {
                     let at = (&mut **solver, &**surface);
-                    let verdict = known.judge(part, k, at, q, [within, edges_m], best.as_ref());
+                    let own = near.own(k);
+                    let verdict = known.judge(part, k, at, q, within, own, best.as_ref());
                     if verdict != Verdict::Unknown {
                         return;
                     }
@@ -288,7 +317,7 @@ fn nearest(
             }
         }
     });
-    (best, certified)
+    (best.filter(|best| best.squared <= most), certified)
 }
 
 /// The nearest edge or lone vertex of a tree, if it is nearer than what is known.

@@ -25,6 +25,9 @@ const REACH: [f64; 2] = [2e-3, 5e-2];
 const EQUAL: f64 = 1e-13;
 /// Of the size: a step that says whether a face goes on in a direction.
 const STEP: f64 = 1e-6;
+/// Steps within a face at most, and of the range of a parameter, how long they are.
+const MOST_STEPS: usize = 200;
+const CREEP: f64 = 0.02;
 /// Supports that a descent passes over at most.
 const MOST_HOPS: usize = 32;
 
@@ -119,6 +122,11 @@ impl Near {
     pub fn trees(&self, face: u32) -> [&Tree; 2] {
         let around = &self.faces[face as usize];
         [&around.wires, &around.skin]
+    }
+
+    /// Edges and lone vertices of a face.
+    pub fn own(&self, face: u32) -> &Tree {
+        &self.faces[face as usize].own
     }
 }
 
@@ -267,10 +275,15 @@ impl PartSolver {
         }
         let (face, uv) = part.on_face(place);
         let mut here = self.on(part, q, face, uv)?;
-        // A descent that only found something farther did not arrive.
         let slack_m = 2.0 * part.gap_m() + 1e-9 * part.size_m();
-        if here.squared.sqrt() > (q - part.point(place)).norm() + slack_m {
-            return None;
+        let is_farther =
+            |best: &Best| best.squared.sqrt() > (q - part.point(place)).norm() + slack_m;
+        if is_farther(&here) {
+            // The descent went through what is outside the loops.
+            here = self.creep(part, q, face, uv)?;
+            if is_farther(&here) {
+                return None;
+            }
         }
         for _ in 0..MOST_HOPS {
             if matches!(here.support, Support::Face(_)) {
@@ -290,7 +303,48 @@ impl PartSolver {
             return Some(best);
         }
         let mut best = None;
-        nearest_wire(part, q, &self.near.faces[face as usize].own, &mut best);
+        nearest_wire(part, q, self.near.own(face), &mut best);
+        best
+    }
+
+    /// Descent over a B-spline in steps that stay within the loops: the foot it comes to, or the nearest edge from where it
+    /// would leave.
+    fn creep(&self, part: &Part, q: &Point3, face: u32, mut uv: [f64; 2]) -> Option<Best> {
+        let of = &part.faces[face as usize];
+        let Carrier::Spline(surface) = &of.carrier else {
+            return None;
+        };
+        let chart = &of.trim.chart;
+        let ranges = [surface.knots_u().domain(), surface.knots_v().domain()].map(|d| d.1 - d.0);
+        let squared = |uv: [f64; 2]| (q - of.carrier.point(uv)).norm_squared();
+        for _ in 0..MOST_STEPS {
+            let here = squared(uv);
+            let straight = self.seed(part, q, face, uv);
+            if let Some(best) = straight.filter(|best| best.squared <= here) {
+                return Some(best);
+            }
+            let frame = surface.frame(uv[0], uv[1]);
+            let step = solved(&frame.du, &frame.dv, &(q - frame.point));
+            let far = (step[0] / ranges[0]).abs().max((step[1] / ranges[1]).abs());
+            let mut share = (CREEP / far.max(f64::MIN_POSITIVE)).min(1.0);
+            let at =
+                |share: f64| chart.confined([uv[0] + share * step[0], uv[1] + share * step[1]]);
+            let goes_down = |share: f64| {
+                (1..=4).all(|k| {
+                    let [a, b] = [k - 1, k].map(|k| squared(at(share * f64::from(k) / 4.0)));
+                    b < a
+                })
+            };
+            while share * far > EQUAL && !goes_down(share) {
+                share *= 0.5;
+            }
+            if share * far <= EQUAL || !of.trim.contains(at(share)) {
+                break;
+            }
+            uv = at(share);
+        }
+        let mut best = None;
+        nearest_wire(part, q, self.near.own(face), &mut best);
         best
     }
 

@@ -109,7 +109,7 @@ impl ClosestSolver {
         let objective = Distance { q: *query };
         let (nu, nv) = objective.orders(self.pieces.u.degree, self.pieces.v.degree);
         let rational = self.pieces.is_rational();
-        let mut gap_m = |solver: &mut Self, around: Option<Around>, reach_m: f64| {
+        let gap_m = |solver: &mut Self, around: Option<Around>, reach_m: f64| {
             gap_outside(
                 nu,
                 nv,
