@@ -7,8 +7,10 @@ use super::closest::{At, Best, Support, wire};
 use super::part::Part;
 use super::tree::Tree;
 use crate::math::Point3;
-use crate::surface::{Basin, Clip, ClosestSolver, Surface};
+use crate::surface::{Basin, Clip, ClosestPoint, ClosestSolver, Surface};
 
+/// Minima of a B-spline that are looked at.
+pub(super) const MOST_FEET: usize = 64;
 /// Cells that a piece is divided into, in each direction, to see where loops are.
 const CELLS: usize = 8;
 /// Parts of a cubic of a loop whose boxes mark cells.
@@ -32,12 +34,14 @@ pub(super) struct Known {
 }
 
 /// What a face has that is nearer than a ceiling.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Verdict {
     /// Nothing.
     Nothing,
     /// Only the place that was known before.
     Same,
+    /// One minimum, here, within the loops.
+    One(Point3),
     Unknown,
 }
 
@@ -137,7 +141,11 @@ fn verdict(
     {
         return Verdict::Same;
     }
-    if face.trim.contains(uv) {
+    let inside = face.trim.contains(uv);
+    if inside && lowest.free {
+        return Verdict::One(foot.point);
+    }
+    if inside {
         return Verdict::Unknown;
     }
     // Rounding must not bring it over an edge.
@@ -185,8 +193,16 @@ fn clips(part: &Part, k: u32, solver: &mut ClosestSolver, surface: &Surface) -> 
         .filter_map(|side| side.pcurve.as_ref())
     {
         for cubic in pcurve.segments() {
-            for i in 0..PARTS {
-                let within = [i, i + 1].map(|i| i as f64 / PARTS as f64);
+            // Short ones are no longer than a cell.
+            let wide = (0..2).any(|d| {
+                let cell = if d == 0 { cells_u[0] } else { cells_v[0] };
+                cubic
+                    .iter()
+                    .any(|p| (p[d] - cubic[0][d]).abs() > cell[1] - cell[0])
+            });
+            let parts = if wide { PARTS } else { 1 };
+            for i in 0..parts {
+                let within = [i, i + 1].map(|i| i as f64 / parts as f64);
                 let points = bezier::between(&cubic, within);
                 let [u, v] = [0, 1].map(|d| {
                     let (low, high) = points
@@ -268,4 +284,68 @@ fn reached(
         })
         .filter(|range| !range.is_empty())
         .collect()
+}
+
+/// What may be offered of the minima of a B-spline face.
+pub(super) struct Feet<'a> {
+    pub solver: &'a mut ClosestSolver,
+    pub surface: &'a Surface,
+    pub known: Option<&'a mut Known>,
+    pub own: Option<&'a Tree>,
+}
+
+impl Feet<'_> {
+    /// The minima of the distance to the carrier of face `k` that are nearer than `within_m`, as far as they may be within the
+    /// loops and are not `best`. True when none was left out.
+    ///
+    /// What the nearest sample leads to is given as it is found from there, whichever way it is found to be the only one: so
+    /// it is the same to the last bit.
+    pub fn find(
+        self,
+        part: &Part,
+        k: u32,
+        q: &Point3,
+        within_m: f64,
+        best: Option<&Best>,
+        out: &mut Vec<ClosestPoint>,
+    ) -> bool {
+        let Self {
+            solver,
+            surface,
+            known,
+            own,
+        } = self;
+        // A copy of the scratch begins without room.
+        out.clear();
+        out.reserve(MOST_FEET);
+        let same_m = SAME * part.size_m();
+        let mut verdict = Verdict::Unknown;
+        if let (Some(known), Some(own)) = (known, own) {
+            verdict = known.judge(part, k, (solver, surface), q, within_m, own, best);
+        }
+        if matches!(verdict, Verdict::Nothing | Verdict::Same) {
+            return true;
+        }
+        let guess = solver.guess(surface, q);
+        if let (Verdict::One(point), Some(guess)) = (verdict, guess)
+            && (guess.point - point).norm() <= same_m
+        {
+            out.extend((guess.distance < within_m).then_some(guess));
+            return true;
+        }
+        let complete = solver.minima_within(surface, q, within_m, out);
+        if let Some(best) = best.filter(|best| best.support == Support::Face(k)) {
+            out.retain(|foot| (foot.point - best.point).norm() > same_m);
+        }
+        if let Some(guess) = guess {
+            for foot in out
+                .iter_mut()
+                .filter(|foot| (foot.point - guess.point).norm() <= same_m)
+            {
+                *foot = guess;
+            }
+            out.retain(|foot| foot.distance < within_m);
+        }
+        complete
+    }
 }

@@ -3,16 +3,13 @@
 //! A minimum of the distance to a trimmed face is either a minimum of the distance to its carrier, inside the loops, or on
 //! an edge. So the certificate of the carriers carries over, and no bound has to know the loops.
 
-use super::basins::{Known, SAME, Verdict};
+use super::basins::{Feet, Known};
 use super::carrier::Carrier;
 use super::part::{Edge, Part};
 use super::tree::Tree;
 use super::warm::Near;
 use crate::math::{Point3, Vector3};
 use crate::surface::{ClosestPoint, ClosestSolver};
-
-/// Minima of a B-spline that are looked at.
-const MOST_FEET: usize = 64;
 
 /// On which the closest point lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -126,7 +123,7 @@ impl PartSolver {
         Self {
             splines,
             known: Vec::new(),
-            feet: Vec::with_capacity(MOST_FEET),
+            feet: Vec::with_capacity(super::basins::MOST_FEET),
             near: Near::default(),
         }
     }
@@ -190,20 +187,29 @@ impl PartSolver {
         nearest(part, q, None, self.scratch(), seed, most)
     }
 
-    /// Whether it is known without a search that a B-spline face has no minimum of the distance up to `within_m`, off its
-    /// edges.
-    pub(super) fn has_none(&mut self, part: &Part, k: u32, q: &Point3, within_m: f64) -> bool {
-        let carrier = &part.faces[k as usize].carrier;
-        let (Carrier::Spline(surface), Some(solver), Some(Some(known))) = (
-            carrier,
+    /// The minima of the distance to the carrier of a B-spline face up to `within_m`, as far as they may be within its loops.
+    /// True when none was left out.
+    pub(super) fn minima_of(
+        &mut self,
+        part: &Part,
+        k: u32,
+        q: &Point3,
+        within_m: f64,
+        out: &mut Vec<ClosestPoint>,
+    ) -> bool {
+        let (Carrier::Spline(surface), Some(solver)) = (
+            &part.faces[k as usize].carrier,
             &mut self.splines[k as usize],
-            self.known.get_mut(k as usize),
         ) else {
-            return false;
+            return true;
         };
-        let own = self.near.own(k);
-        let at = (&mut **solver, &**surface);
-        known.judge(part, k, at, q, within_m, own, None) == Verdict::Nothing
+        let on = Feet {
+            solver,
+            surface,
+            own: self.near.has(k).then(|| self.near.own(k)),
+            known: (self.known.get_mut(k as usize)).and_then(|known| known.as_deref_mut()),
+        };
+        on.find(part, k, q, within_m, None, out)
     }
 
     fn scratch(&mut self) -> Scratch<'_> {
@@ -255,7 +261,6 @@ fn nearest(
         Support::Face(k) if known => Some(k),
         _ => None,
     });
-    let same_m = SAME * part.size_m();
     let mut certified = true;
     let offer =
         |k: u32, point: Point3, uv: [f64; 2], ceiling: &mut f64, best: &mut Option<Best>| {
@@ -280,28 +285,18 @@ fn nearest(
         match (&face.carrier, &mut splines[k as usize]) {
             (Carrier::Spline(surface), Some(solver)) => {
                 let within = ceiling.sqrt();
-                if let Some(Some(known)) = basins.get_mut(k as usize) {
-                    let at = (&mut **solver, &**surface);
-                    let own = near.own(k);
-                    let verdict = known.judge(part, k, at, q, within, own, best.as_ref());
-                    if verdict != Verdict::Unknown {
-                        return;
-                    }
-                }
-                // A copy of the scratch begins without room.
-                feet.clear();
-                feet.reserve(MOST_FEET);
-                certified &= solver.minima_within(surface, q, within, feet);
-                // Where the B-spline ends, an edge is as near; what is known is not found again.
-                let same = |foot: &ClosestPoint| {
-                    seed.is_some_and(|(best, _)| {
-                        best.support == Support::Face(k)
-                            && (foot.point - best.point).norm() <= same_m
-                    })
+                let on = Feet {
+                    solver,
+                    surface,
+                    own: near.has(k).then(|| near.own(k)),
+                    known: basins
+                        .get_mut(k as usize)
+                        .and_then(|known| known.as_deref_mut()),
                 };
-                let inner = feet.iter().filter(|foot| {
-                    !face.carrier.is_on_rim(&face.rims, [foot.u, foot.v]) && !same(foot)
-                });
+                certified &= on.find(part, k, q, within, best.as_ref(), feet);
+                // Where the B-spline ends, an edge is as near.
+                let inner = (feet.iter())
+                    .filter(|foot| !face.carrier.is_on_rim(&face.rims, [foot.u, foot.v]));
                 for foot in inner {
                     if offer(k, foot.point, [foot.u, foot.v], ceiling, &mut best) {
                         break;

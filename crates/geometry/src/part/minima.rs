@@ -434,14 +434,9 @@ impl PartMinima {
     fn add_face(&mut self, part: &Part, solver: &mut PartSolver, aim: &Aim, k: u32, within_m: f64) {
         let face = &part.faces[k as usize];
         match (aim, &face.carrier) {
-            (Aim::To(q), Carrier::Spline(surface)) => {
-                if solver.has_none(part, k, q, within_m) {
-                    return;
-                }
+            (Aim::To(q), Carrier::Spline(_)) => {
                 let mut feet = std::mem::take(&mut self.feet);
-                if let Some(solver) = &mut solver.splines[k as usize] {
-                    self.complete &= solver.minima_within(surface, q, within_m, &mut feet);
-                }
+                self.complete &= solver.minima_of(part, k, q, within_m, &mut feet);
                 for foot in &feet {
                     self.add_foot(part, aim, k, [foot.u, foot.v], within_m, Mark::Least);
                 }

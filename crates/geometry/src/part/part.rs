@@ -340,7 +340,7 @@ impl<'a> Build<'a> {
             true => return Err(fail(TrimProblem::Unbounded)),
             false => Trim::new(chart, &walks).or_else(|problem| {
                 // Either the sense or the loops are the wrong way: the faces beside tell which.
-                walks.iter_mut().for_each(turn);
+                walks.iter_mut().for_each(|walk| turn(walk));
                 same_sense = !same_sense;
                 Trim::new(chart, &walks).map_err(|_| fail(problem))
             })?,
@@ -569,7 +569,7 @@ impl<'a> Build<'a> {
 }
 
 /// Walked the other way.
-fn turn(walk: &mut Vec<Piece>) {
+fn turn(walk: &mut [Piece]) {
     walk.reverse();
     walk.iter_mut().for_each(|piece| piece.points.reverse());
 }

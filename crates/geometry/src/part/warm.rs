@@ -124,6 +124,11 @@ impl Near {
         [&around.wires, &around.skin]
     }
 
+    /// Something is known of a face.
+    pub fn has(&self, face: u32) -> bool {
+        self.faces.len() > face as usize
+    }
+
     /// Edges and lone vertices of a face.
     pub fn own(&self, face: u32) -> &Tree {
         &self.faces[face as usize].own

@@ -8,7 +8,7 @@
 //! distance less the level of a minimum, times W, is what must be convex; it is linear in the level, so that it is on the box
 //! for all levels if it is for the least and the greatest.
 
-use super::newton::{NewtonPlace, OnPieces, descend_between};
+use super::newton::{NewtonPlace, OnPieces, descend_between, descend_over};
 use super::objective::{Distance, Objective};
 use super::warm::{Around, gap_outside, query_limit, slacks, surround};
 use super::{ClosestPoint, ClosestSolver};
@@ -40,6 +40,8 @@ pub(crate) struct Lowest {
     pub at: ClosestPoint,
     /// The distance falls out of the box there: no minimum of the surface.
     pub leaves: bool,
+    /// No side of the box and no end of the domain holds it.
+    pub free: bool,
 }
 
 impl Basin {
@@ -178,6 +180,20 @@ impl ClosestSolver {
         None
     }
 
+    /// The minimum that the nearest sample leads to, where no end of the domain holds it.
+    pub(crate) fn guess(&mut self, surface: &Surface, query: &Point3) -> Option<ClosestPoint> {
+        self.follow(surface);
+        let objective = Distance { q: *query };
+        let start = self.samples.best(&self.pieces, &objective);
+        let mut eval = OnPieces {
+            pieces: &mut self.pieces,
+            surface,
+        };
+        let found = descend_over(&mut eval, &objective, start);
+        (found.free == [true; 2] && self.settled(&found))
+            .then(|| self.answer(surface, query, &found))
+    }
+
     /// The lowest place of a basin's box; `None` where descent does not arrive, or there is no box.
     pub(crate) fn lowest_of(
         &mut self,
@@ -211,6 +227,7 @@ impl ClosestSolver {
         Some(Lowest {
             at: self.answer(surface, query, &found),
             leaves,
+            free: found.free == [true; 2],
         })
     }
 }
