@@ -3,15 +3,13 @@
 //! A minimum of the distance to a trimmed face is either a minimum of the distance to its carrier, inside the loops, or on
 //! an edge. So the certificate of the carriers carries over, and no bound has to know the loops.
 
+use super::basins::{Feet, Known};
 use super::carrier::Carrier;
 use super::part::{Edge, Part};
 use super::tree::Tree;
 use super::warm::Near;
 use crate::math::{Point3, Vector3};
 use crate::surface::{ClosestPoint, ClosestSolver};
-
-/// Minima of a B-spline that are looked at.
-const MOST_FEET: usize = 64;
 
 /// On which the closest point lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,6 +66,8 @@ pub struct PartFoot {
 pub struct PartSolver {
     /// By face: for those on B-splines.
     pub(super) splines: Vec<Option<Box<ClosestSolver>>>,
+    /// By face: for those on B-splines, what spares searches; none where nothing is known of neighbours either.
+    pub(super) known: Vec<Option<Box<Known>>>,
     feet: Vec<ClosestPoint>,
     /// What is around each face and each vertex; of the part alone.
     pub(super) near: Near,
@@ -99,13 +99,22 @@ impl PartSolver {
             Carrier::Spline(surface) => Some(Box::new(ClosestSolver::new(surface))),
             _ => None,
         };
+        let mut splines: Vec<_> = (part.faces.iter())
+            .map(|face| solver(&face.carrier))
+            .collect();
+        let known = |(k, solver): (usize, &mut Option<Box<ClosestSolver>>)| match (
+            &part.faces[k].carrier,
+            solver,
+        ) {
+            (Carrier::Spline(surface), Some(solver)) => {
+                Some(Box::new(Known::new(part, k as u32, solver, surface)))
+            }
+            _ => None,
+        };
         Self {
             near: Near::new(part),
-            ..Self::with(
-                (part.faces.iter())
-                    .map(|face| solver(&face.carrier))
-                    .collect(),
-            )
+            known: splines.iter_mut().enumerate().map(known).collect(),
+            ..Self::with(splines)
         }
     }
 
@@ -113,7 +122,8 @@ impl PartSolver {
     pub(super) fn with(splines: Vec<Option<Box<ClosestSolver>>>) -> Self {
         Self {
             splines,
-            feet: Vec::with_capacity(MOST_FEET),
+            known: Vec::new(),
+            feet: Vec::with_capacity(super::basins::MOST_FEET),
             near: Near::default(),
         }
     }
@@ -143,8 +153,7 @@ impl PartSolver {
         if !q.iter().all(|x| x.is_finite()) {
             return None;
         }
-        let Self { splines, feet, .. } = self;
-        let (best, certified) = nearest(part, q, trees, splines, feet, None);
+        let (best, certified) = nearest(part, q, Some(trees), self.scratch(), None, f64::INFINITY);
         best.map(|best| answer(part, q, &best, certified))
     }
 
@@ -157,28 +166,86 @@ impl PartSolver {
         around: Option<u32>,
         seed: Option<(Best, bool)>,
     ) -> (Option<Best>, bool) {
-        let Self {
-            splines,
-            feet,
-            near,
-        } = self;
-        let trees = match around {
-            Some(face) => near.trees(face),
-            None => [&part.wires, &part.skin],
+        let trees = around.map(|face| self.near.trees(face));
+        let scratch = Scratch {
+            splines: &mut self.splines,
+            known: &mut self.known,
+            feet: &mut self.feet,
+            near: &self.near,
         };
-        nearest(part, q, trees, splines, feet, seed)
+        nearest(part, q, trees, scratch, seed, f64::INFINITY)
+    }
+
+    /// [`PartSolver::search`] of the whole part for what is nearer than the root of `most` (m²).
+    pub(super) fn search_within(
+        &mut self,
+        part: &Part,
+        q: &Point3,
+        seed: Option<(Best, bool)>,
+        most: f64,
+    ) -> (Option<Best>, bool) {
+        nearest(part, q, None, self.scratch(), seed, most)
+    }
+
+    /// The minima of the distance to the carrier of a B-spline face up to `within_m`, as far as they may be within its loops.
+    /// True when none was left out.
+    pub(super) fn minima_of(
+        &mut self,
+        part: &Part,
+        k: u32,
+        q: &Point3,
+        within_m: f64,
+        out: &mut Vec<ClosestPoint>,
+    ) -> bool {
+        let (Carrier::Spline(surface), Some(solver)) = (
+            &part.faces[k as usize].carrier,
+            &mut self.splines[k as usize],
+        ) else {
+            return true;
+        };
+        let on = Feet {
+            solver,
+            surface,
+            own: self.near.has(k).then(|| self.near.own(k)),
+            known: (self.known.get_mut(k as usize)).and_then(|known| known.as_deref_mut()),
+        };
+        on.find(part, k, q, within_m, None, out)
+    }
+
+    fn scratch(&mut self) -> Scratch<'_> {
+        Scratch {
+            splines: &mut self.splines,
+            known: &mut self.known,
+            feet: &mut self.feet,
+            near: &self.near,
+        }
     }
 }
 
-/// The nearest of what trees over edges and lone vertices and over faces hold, as [`PartSolver::search`].
+/// What a search works with.
+struct Scratch<'a> {
+    splines: &'a mut [Option<Box<ClosestSolver>>],
+    known: &'a mut [Option<Box<Known>>],
+    feet: &'a mut Vec<ClosestPoint>,
+    near: &'a Near,
+}
+
+/// The nearest of what trees over edges and lone vertices and over faces hold, or of all, as [`PartSolver::search`]: as far
+/// as it is nearer than the root of `most` (m²).
 fn nearest(
     part: &Part,
     q: &Point3,
-    [wires, skin]: [&Tree; 2],
-    splines: &mut [Option<Box<ClosestSolver>>],
-    feet: &mut Vec<ClosestPoint>,
+    trees: Option<[&Tree; 2]>,
+    Scratch {
+        splines,
+        known: basins,
+        feet,
+        near,
+    }: Scratch<'_>,
     seed: Option<(Best, bool)>,
+    most: f64,
 ) -> (Option<Best>, bool) {
+    let [wires, skin] = trees.unwrap_or([&part.wires, &part.skin]);
     let mut best = seed.map(|(best, _)| best);
     nearest_wire(part, q, wires, &mut best);
     let mut ceiling = best.map_or_else(
@@ -189,22 +256,19 @@ fn nearest(
         },
         |best| best.squared,
     );
+    ceiling = ceiling.min(most);
     let known = seed.and_then(|(best, known)| match best.support {
         Support::Face(k) if known => Some(k),
         _ => None,
     });
     let mut certified = true;
-    skin.nearest(q, &mut ceiling, |k, ceiling| {
-        if known == Some(k) {
-            return;
-        }
-        let face = &part.faces[k as usize];
-        let mut offer = |point: Point3, uv: [f64; 2], ceiling: &mut f64| {
+    let offer =
+        |k: u32, point: Point3, uv: [f64; 2], ceiling: &mut f64, best: &mut Option<Best>| {
             let squared = (q - point).norm_squared();
-            let nearer = squared < *ceiling && face.trim.contains(uv);
+            let nearer = squared < *ceiling && part.faces[k as usize].trim.contains(uv);
             if nearer {
                 *ceiling = squared;
-                best = Some(Best {
+                *best = Some(Best {
                     point,
                     support: Support::Face(k),
                     at: At::Face(uv),
@@ -213,19 +277,28 @@ fn nearest(
             }
             nearer
         };
+    skin.nearest(q, &mut ceiling, |k, ceiling| {
+        if known == Some(k) {
+            return;
+        }
+        let face = &part.faces[k as usize];
         match (&face.carrier, &mut splines[k as usize]) {
             (Carrier::Spline(surface), Some(solver)) => {
                 let within = ceiling.sqrt();
-                // A copy of the scratch begins without room.
-                feet.clear();
-                feet.reserve(MOST_FEET);
-                certified &= solver.minima_within(surface, q, within, feet);
+                let on = Feet {
+                    solver,
+                    surface,
+                    own: near.has(k).then(|| near.own(k)),
+                    known: basins
+                        .get_mut(k as usize)
+                        .and_then(|known| known.as_deref_mut()),
+                };
+                certified &= on.find(part, k, q, within, best.as_ref(), feet);
                 // Where the B-spline ends, an edge is as near.
-                let inner = feet
-                    .iter()
+                let inner = (feet.iter())
                     .filter(|foot| !face.carrier.is_on_rim(&face.rims, [foot.u, foot.v]));
                 for foot in inner {
-                    if offer(foot.point, [foot.u, foot.v], ceiling) {
+                    if offer(k, foot.point, [foot.u, foot.v], ceiling, &mut best) {
                         break;
                     }
                 }
@@ -234,12 +307,12 @@ fn nearest(
                 if carrier.may_be_within(q, *ceiling)
                     && let Some(uv) = carrier.foot(q)
                 {
-                    offer(carrier.point(uv), uv, ceiling);
+                    offer(k, carrier.point(uv), uv, ceiling, &mut best);
                 }
             }
         }
     });
-    (best, certified)
+    (best.filter(|best| best.squared <= most), certified)
 }
 
 /// The nearest edge or lone vertex of a tree, if it is nearer than what is known.

@@ -3,6 +3,7 @@
 use super::bezier::{self, Homogeneous, Polynomial};
 use super::brep::BrepCurve;
 use super::carrier::Axes;
+use super::tree::{Corners, Tree, squared};
 use crate::math::{Point3, Vector3};
 use crate::surface::{Curve, extraction};
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -13,6 +14,9 @@ pub(super) struct EdgeCurve {
     degree: usize,
     /// (segments × (degree + 1)).
     points: Vec<Homogeneous>,
+    /// Around the control points of each segment, of free ones.
+    boxes: Vec<Corners>,
+    tree: Tree,
     shape: Shape,
 }
 
@@ -131,8 +135,14 @@ impl EdgeCurve {
     }
 
     fn chain(degree: usize, points: Vec<Homogeneous>, shape: Shape) -> Self {
+        let boxes: Vec<Corners> = match shape {
+            Shape::Free => points.chunks(degree + 1).map(around).collect(),
+            _ => Vec::new(),
+        };
         Self {
             degree,
+            tree: Tree::new(&boxes),
+            boxes,
             points,
             shape,
         }
@@ -314,19 +324,20 @@ impl EdgeCurve {
         }
     }
 
-    /// Segments in turn, each by [`closest_of_segment`].
-    fn closest_free(&self, q: &Point3, ceiling: f64) -> Option<OnCurve> {
+    /// Segments whose boxes are near, each by [`closest_of_segment`].
+    fn closest_free(&self, q: &Point3, mut ceiling: f64) -> Option<OnCurve> {
         let mut best: Option<OnCurve> = None;
-        for k in 0..self.segments() {
-            let under = best.map_or(ceiling, |b| b.squared);
-            if let Some((t, squared)) = closest_of_segment(self.segment(k), q, under) {
+        self.tree.nearest(q, &mut ceiling, |k, ceiling| {
+            let k = k as usize;
+            if let Some((t, squared)) = closest_of_segment(self.segment(k), q, *ceiling) {
+                *ceiling = squared;
                 best = Some(OnCurve {
                     point: self.point((k, t)),
                     at: (k, t),
                     squared,
                 });
             }
-        }
+        });
         best
     }
 
@@ -340,7 +351,7 @@ impl EdgeCurve {
                 }
             }
             Shape::Free => self.rising(
-                |points| (box_squared(points, q) < ceiling).then(|| turning(points, q)),
+                |k| (squared(&self.boxes[k], q) < ceiling).then(|| turning(self.segment(k), q)),
                 |at| {
                     if let Some(found) = on(self.point(at), at, q, ceiling) {
                         offer(found);
@@ -363,7 +374,7 @@ impl EdgeCurve {
                     offer(circle_place(angle, *sweep, self.segments()));
                 }
             }
-            Shape::Free => self.rising(|points| Some(falling(points, along)), offer),
+            Shape::Free => self.rising(|k| Some(falling(self.segment(k), along)), offer),
         }
     }
 
@@ -390,12 +401,12 @@ impl EdgeCurve {
     /// Places between the ends where a derivative, a polynomial for each segment that counts, turns from falling to rising.
     fn rising(
         &self,
-        derivative: impl Fn(&[Homogeneous]) -> Option<Polynomial>,
+        derivative: impl Fn(usize) -> Option<Polynomial>,
         mut offer: impl FnMut((usize, f64)),
     ) {
         let mut fell = false;
         for k in 0..self.segments() {
-            let Some(turn) = derivative(self.segment(k)) else {
+            let Some(turn) = derivative(k) else {
                 fell = false;
                 continue;
             };
@@ -447,9 +458,6 @@ fn circle_place(angle: f64, sweep: f64, count: usize) -> (usize, f64) {
 /// The derivative of the squared distance is a polynomial over a positive one. Where its Bernstein coefficients change
 /// sign once at most, there is one minimum at most; else the part is halved.
 fn closest_of_segment(points: &[Homogeneous], q: &Point3, ceiling: f64) -> Option<(f64, f64)> {
-    if box_squared(points, q) >= ceiling {
-        return None;
-    }
     let turn = turning(points, q);
     let noise = 1e-14 * turn.most();
     let mut best = (None, ceiling);
@@ -527,19 +535,14 @@ fn falling(points: &[Homogeneous], along: &Vector3) -> Polynomial {
     turn
 }
 
-/// Squared distance from a point to the box around control points, m².
-fn box_squared(points: &[Homogeneous], q: &Point3) -> f64 {
-    (0..3)
-        .map(|k| {
-            let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-            for h in points {
-                let x = h[k] / h[3];
-                (low, high) = (low.min(x), high.max(x));
-            }
-            (low - q[k]).max(q[k] - high).max(0.0)
-        })
-        .map(|d| d * d)
-        .sum()
+/// The box around control points.
+fn around(points: &[Homogeneous]) -> Corners {
+    let far = Point3::from(Vector3::repeat(f64::INFINITY));
+    let grown = |(low, high): Corners, p: Point3| (low.inf(&p), high.sup(&p));
+    points
+        .iter()
+        .map(bezier::projected)
+        .fold((far, -far), grown)
 }
 
 fn weighted(p: &Point3, w: f64) -> Homogeneous {

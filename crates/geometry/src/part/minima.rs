@@ -12,12 +12,12 @@
 //! with the foot beside it. The closest point of the part is always among the minima of the distance.
 
 use super::carrier::Carrier;
-use super::closest::{PartFoot, PartSolver, Support};
+use super::closest::{At, Best, PartFoot, PartSolver, Support, answer};
 use super::curve::OnCurve;
 use super::part::{Edge, Face, Part, Side};
 use super::pcurve::solved;
 use crate::math::{Point3, Vector3};
-use crate::surface::{ClosestPoint, ClosestSolver, Summit};
+use crate::surface::{ClosestPoint, Summit};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Minima that are reported at most.
@@ -113,8 +113,6 @@ struct Held {
 /// Scratch for all minima of one part.
 #[derive(Clone, Debug)]
 pub(crate) struct PartMinima {
-    /// By face: for those on B-splines.
-    splines: Vec<Option<Box<ClosestSolver>>>,
     /// By vertex: the first one at its place.
     first: Vec<u32>,
     fans: Vec<Fan>,
@@ -135,14 +133,9 @@ pub(crate) struct PartMinima {
 impl PartMinima {
     /// Scratch for a part.
     pub fn new(part: &Part) -> Self {
-        let solver = |face: &Face| match &face.carrier {
-            Carrier::Spline(surface) => Some(Box::new(ClosestSolver::new(surface))),
-            _ => None,
-        };
         let size_m = part.size_m();
         let first = same_places(part, SAME * size_m);
         Self {
-            splines: part.faces.iter().map(solver).collect(),
             fans: fans(part, &first, STEP * size_m),
             seen: vec![0; part.vertices.len()],
             first,
@@ -177,8 +170,8 @@ impl PartMinima {
         }
     }
 
-    /// All minima of the distance from `q` up to `within_m`, and the closest point however far it is. `None`, and nothing
-    /// found, where the query is not finite.
+    /// All minima of the distance from `q` up to `within_m`, and the closest point, which is also given where it is farther if
+    /// the query is in the box around the part. `None` where there is none, or the query is not finite.
     pub fn within(
         &mut self,
         part: &Part,
@@ -187,13 +180,36 @@ impl PartMinima {
         within_m: f64,
     ) -> Option<PartFoot> {
         self.begin();
-        let closest = solver.closest(part, q)?;
-        self.complete = closest.certified;
-        if closest.distance > within_m {
-            return Some(closest);
+        if !q.iter().all(|x| x.is_finite()) {
+            return None;
         }
         let aim = Aim::To(*q);
-        self.gather(part, &aim, within_m);
+        self.gather(part, solver, &aim, within_m);
+        let seed = self.held.first().and_then(|held| match held.support {
+            Support::Face(k) => {
+                let best = Best {
+                    point: held.point,
+                    support: held.support,
+                    at: At::Face(held.uv),
+                    squared: (q - held.point).norm_squared(),
+                };
+                Some((best, part.faces[k as usize].carrier.axes().is_some()))
+            }
+            _ => None,
+        });
+        let (low, high) = part.bounds();
+        let most = match (0..3).all(|k| q[k] >= low[k] && q[k] <= high[k]) {
+            true => f64::INFINITY,
+            false => within_m * within_m * (1.0 + 1e-15) + f64::MIN_POSITIVE,
+        };
+        let (best, certified) = solver.search_within(part, q, seed, most);
+        self.complete &= certified;
+        let closest = best.map(|best| answer(part, q, &best, certified));
+        let Some(closest) = closest.filter(|closest| closest.distance <= within_m) else {
+            // At the very end of the reach, rounding may tell the two apart.
+            self.held.clear();
+            return closest;
+        };
         let nearest = self.held.first().map_or(f64::INFINITY, |held| held.value);
         if nearest > closest.distance + 1e-13 * self.size_m {
             #[cfg(test)]
@@ -222,10 +238,17 @@ impl PartMinima {
 
     /// All places that are lower than their neighbours, up to `within_m` above a plane: `down` is a unit vector and `level_m`
     /// the plane's place along it. Of what is straight or round and lies on the plane, all corners, or eight points.
-    pub fn lowest(&mut self, part: &Part, down: &Vector3, level_m: f64, within_m: f64) {
+    pub fn lowest(
+        &mut self,
+        part: &Part,
+        solver: &mut PartSolver,
+        down: &Vector3,
+        level_m: f64,
+        within_m: f64,
+    ) {
         self.begin();
         let aim = Aim::Down(*down, level_m);
-        self.gather(part, &aim, within_m);
+        self.gather(part, solver, &aim, within_m);
         self.merge(part, &aim);
     }
 
@@ -244,7 +267,7 @@ impl PartMinima {
         }
     }
 
-    fn gather(&mut self, part: &Part, aim: &Aim, within_m: f64) {
+    fn gather(&mut self, part: &Part, solver: &mut PartSolver, aim: &Aim, within_m: f64) {
         match aim {
             Aim::To(q) => {
                 let mut ceiling = within_m * within_m * (1.0 + 1e-15) + f64::MIN_POSITIVE;
@@ -252,7 +275,7 @@ impl PartMinima {
                     self.add_wire(part, aim, k, within_m);
                 });
                 (part.skin).nearest(q, &mut ceiling, |k, _| {
-                    self.add_face(part, aim, k, within_m);
+                    self.add_face(part, solver, aim, k, within_m);
                 });
             }
             Aim::Down(down, level_m) => {
@@ -261,7 +284,7 @@ impl PartMinima {
                     self.add_wire(part, aim, k, within_m);
                 });
                 (part.skin).lowest(down, &mut ceiling, |k, _| {
-                    self.add_face(part, aim, k, within_m);
+                    self.add_face(part, solver, aim, k, within_m);
                 });
             }
         }
@@ -408,14 +431,12 @@ impl Held {
 
 // Faces.
 impl PartMinima {
-    fn add_face(&mut self, part: &Part, aim: &Aim, k: u32, within_m: f64) {
+    fn add_face(&mut self, part: &Part, solver: &mut PartSolver, aim: &Aim, k: u32, within_m: f64) {
         let face = &part.faces[k as usize];
         match (aim, &face.carrier) {
-            (Aim::To(q), Carrier::Spline(surface)) => {
+            (Aim::To(q), Carrier::Spline(_)) => {
                 let mut feet = std::mem::take(&mut self.feet);
-                if let Some(solver) = &mut self.splines[k as usize] {
-                    self.complete &= solver.minima_within(surface, q, within_m, &mut feet);
-                }
+                self.complete &= solver.minima_of(part, k, q, within_m, &mut feet);
                 for foot in &feet {
                     self.add_foot(part, aim, k, [foot.u, foot.v], within_m, Mark::Least);
                 }
@@ -423,7 +444,7 @@ impl PartMinima {
             }
             (Aim::Down(down, level_m), Carrier::Spline(surface)) => {
                 let mut summits = std::mem::take(&mut self.summits);
-                if let Some(solver) = &mut self.splines[k as usize] {
+                if let Some(solver) = &mut solver.splines[k as usize] {
                     let least_m = level_m - within_m;
                     self.complete &= solver.summits_along(surface, down, least_m, &mut summits);
                 }

@@ -4,6 +4,7 @@
 //! Brep (as in the file) ──▶ Part: edges with their gaps, loops in (u, v), tree ──▶ closest point, sign, area, volume, triangles
 //! ```
 
+mod basins;
 mod bezier;
 mod brep;
 mod carrier;

@@ -305,16 +305,27 @@ impl<'a> Build<'a> {
             source,
         };
         let chains = self.chains(face).map_err(fail)?;
-        let mut solver = match &face.carrier {
+        let carrier = match &face.carrier {
+            Carrier::Spline(surface) => {
+                Carrier::Spline(Box::new(surface.as_ref().clone().without_even_weights()))
+            }
+            carrier => carrier.clone(),
+        };
+        let mut solver = match &carrier {
             Carrier::Spline(surface) => Some(Box::new(ClosestSolver::new(surface))),
             _ => None,
         };
-        let chart = Chart::new(&face.carrier);
+        let chart = Chart::new(&carrier);
         let mut walks = Vec::with_capacity(chains.len());
         for chain in &chains {
             let mut walk = Vec::new();
             for &(e, forward) in chain {
-                self.add_side(index, (e, forward), &chart, solver.as_deref_mut())?;
+                self.add_side(
+                    (index, &carrier),
+                    (e, forward),
+                    &chart,
+                    solver.as_deref_mut(),
+                )?;
                 walk.extend(self.pieces(&chart, e, forward));
             }
             // On the carrier's own side the face is on the right where the senses differ.
@@ -328,14 +339,14 @@ impl<'a> Build<'a> {
             true if chart.is_bounded() => Trim::whole(chart),
             true => return Err(fail(TrimProblem::Unbounded)),
             false => {
-                let seams = self.seams(face, solver.as_deref_mut());
+                let seams = self.seams(face, &carrier, solver.as_deref_mut());
                 let on_seams =
                     |trim: &Trim| seams.iter().all(|&uv| trim.contains(chart.confined(uv)));
                 match Trim::new(chart, &walks) {
                     Ok(trim) if on_seams(&trim) => trim,
                     first => {
                         // Either the sense or the loops are the wrong way: the faces beside tell which.
-                        walks.iter_mut().for_each(turn);
+                        walks.iter_mut().for_each(|walk| turn(walk));
                         match (Trim::new(chart, &walks), first) {
                             (Ok(trim), Ok(first)) if !on_seams(&trim) => first,
                             (Err(_), Ok(first)) => first,
@@ -351,12 +362,12 @@ impl<'a> Build<'a> {
         };
         let built = Face {
             id: face.id,
-            carrier: face.carrier.clone(),
+            rims: carrier.rims(),
+            carrier,
             same_sense,
             range_u: trim.extent()[0],
             trim,
             loops: chains.len(),
-            rims: face.carrier.rims(),
         };
         self.boxes.push(self.face_box(&built, &chains));
         self.faces.push(built);
@@ -406,7 +417,12 @@ impl<'a> Build<'a> {
     }
 
     /// Places of the carrier in the middle of the face's seams, which lie in the face.
-    fn seams(&self, face: &BrepFace, solver: Option<&mut ClosestSolver>) -> Vec<[f64; 2]> {
+    fn seams(
+        &self,
+        face: &BrepFace,
+        carrier: &Carrier,
+        solver: Option<&mut ClosestSolver>,
+    ) -> Vec<[f64; 2]> {
         let mut uses: Vec<(u32, bool)> = face.bounds.iter().fold(Vec::new(), |mut all, bound| {
             if let BrepBound::Loop(uses) = bound {
                 all.extend(uses);
@@ -421,7 +437,7 @@ impl<'a> Build<'a> {
             let curve = &self.edges[pair[0].0 as usize].curve;
             curve.samples(3).nth(1).map(|at| curve.point(at))
         });
-        match (&face.carrier, solver) {
+        match (carrier, solver) {
             (Carrier::Spline(surface), Some(solver)) => middles
                 .map(|point| {
                     let foot = solver.closest(surface, &point);
@@ -445,12 +461,11 @@ impl<'a> Build<'a> {
     /// Enters a face at an edge, and how far the edge is from it.
     fn add_side(
         &mut self,
-        face: u32,
+        (face, carrier): (u32, &Carrier),
         (e, forward): (u32, bool),
         chart: &Chart,
         solver: Option<&mut ClosestSolver>,
     ) -> Result<(), PartError> {
-        let carrier = &self.brep.faces[face as usize].carrier;
         let edge = &mut self.edges[e as usize];
         let pcurve = match (carrier, solver) {
             (Carrier::Spline(surface), Some(solver)) => {
@@ -551,6 +566,7 @@ impl<'a> Build<'a> {
             size_m,
             ..
         } = self;
+        add_apexes(&faces, &mut vertices, size_m);
         let mut bodies = senses::agree(brep, &edges, &other_sense);
         let turned = bodies.take_turns();
         turn_faces(&turned, &mut edges, &mut faces, &mut chains);
@@ -600,7 +616,7 @@ impl<'a> Build<'a> {
 }
 
 /// Walked the other way.
-fn turn(walk: &mut Vec<Piece>) {
+fn turn(walk: &mut [Piece]) {
     walk.reverse();
     walk.iter_mut().for_each(|piece| piece.points.reverse());
 }
@@ -632,6 +648,33 @@ fn turn_faces(turned: &[bool], edges: &mut [Edge], faces: &mut [Face], chains: &
 /// The vertex at which a use of an edge starts, or at which it ends.
 fn end(edges: &[Edge], (e, forward): (u32, bool), last: bool) -> u32 {
     edges[e as usize].ends[usize::from(last == forward)]
+}
+
+/// Vertices at the apexes of faces that have none there in the file.
+fn add_apexes(faces: &[Face], vertices: &mut Vec<Vertex>, size_m: f64) {
+    for face in faces {
+        for (point, _, v) in face.carrier.apexes() {
+            let close_m = 1e-6 * apart(face, size_m);
+            let has_one = (vertices.iter()).any(|vertex| (vertex.point - point).norm() <= close_m);
+            if !has_one && face.trim.contains([0.0, v]) {
+                vertices.push(Vertex {
+                    point,
+                    normal: Vector3::zeros(),
+                    face: None,
+                    lone: true,
+                    gap_m: 0.0,
+                });
+            }
+        }
+    }
+}
+
+/// The size of the part as its edges show it, or of a face that has none, m.
+fn apart(face: &Face, size_m: f64) -> f64 {
+    match &face.carrier {
+        Carrier::Torus { minor_m, .. } => size_m.max(*minor_m),
+        _ => size_m,
+    }
 }
 
 /// Normals of vertices, their faces and their gaps; vertices that no edge reaches are lone where a face ends there.
@@ -703,7 +746,7 @@ fn add_corners(
     // Apexes that no edge reaches.
     for (place, normal, v) in face.carrier.apexes() {
         let on_face = face.trim.contains([0.0, v]);
-        let near = |v: &Vertex| (v.point - place).norm() <= 1e-6 * size_m;
+        let near = |v: &Vertex| (v.point - place).norm() <= 1e-6 * apart(face, size_m);
         for vertex in vertices.iter_mut().filter(|v| v.lone && near(v)) {
             if on_face {
                 vertex.normal = if face.same_sense { normal } else { -normal };

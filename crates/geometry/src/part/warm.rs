@@ -13,7 +13,7 @@ use super::carrier::Carrier;
 use super::closest::{At, Best, PartFoot, PartSolver, Support, answer, nearest_wire, wire};
 use super::part::{Face, Part};
 use super::pcurve::solved;
-use super::tree::{Corners, Tree, squared};
+use super::tree::Tree;
 use crate::math::Point3;
 use crate::surface::WarmFoot;
 
@@ -25,6 +25,9 @@ const REACH: [f64; 2] = [2e-3, 5e-2];
 const EQUAL: f64 = 1e-13;
 /// Of the size: a step that says whether a face goes on in a direction.
 const STEP: f64 = 1e-6;
+/// Steps within a face at most, and of the range of a parameter, how long they are.
+const MOST_STEPS: usize = 200;
+const CREEP: f64 = 0.02;
 /// Supports that a descent passes over at most.
 const MOST_HOPS: usize = 32;
 
@@ -33,8 +36,6 @@ const MOST_HOPS: usize = 32;
 pub(super) struct Near {
     faces: Vec<Around>,
     vertices: Vec<Meeting>,
-    /// Of faces.
-    boxes: Vec<Corners>,
 }
 
 /// Around a face; items as in the trees of the part.
@@ -44,7 +45,7 @@ struct Around {
     own: Tree,
     /// These, and the edges that end where they do.
     wires: Tree,
-    /// The face, and all that meet it at an edge or a vertex.
+    /// The face, all that meet it at an edge or a vertex, and all on B-splines: what is known of these spares searches.
     skin: Tree,
     /// Ascending, what `wires` and `skin` hold.
     wire_items: Vec<u32>,
@@ -88,6 +89,8 @@ impl Near {
             }
         }
         let (wire_boxes, boxes) = (part.wires.boxes(), part.skin.boxes());
+        let is_spline = |&k: &u32| matches!(part.faces[k as usize].carrier, Carrier::Spline(_));
+        let splines: Vec<u32> = (0..part.faces.len() as u32).filter(is_spline).collect();
         let around = |(face, own): (usize, Vec<u32>)| {
             let (mut wires, mut skin) = (own.clone(), vec![face as u32]);
             for edge in own.iter().filter_map(|&k| part.edges.get(k as usize)) {
@@ -96,6 +99,7 @@ impl Near {
                     skin.extend(&vertices[v as usize].faces);
                 }
             }
+            skin.extend(&splines);
             settle(&mut wires);
             settle(&mut skin);
             let mut own = own;
@@ -111,7 +115,6 @@ impl Near {
         Self {
             faces: own.into_iter().enumerate().map(around).collect(),
             vertices,
-            boxes,
         }
     }
 
@@ -119,6 +122,16 @@ impl Near {
     pub fn trees(&self, face: u32) -> [&Tree; 2] {
         let around = &self.faces[face as usize];
         [&around.wires, &around.skin]
+    }
+
+    /// Something is known of a face.
+    pub fn has(&self, face: u32) -> bool {
+        self.faces.len() > face as usize
+    }
+
+    /// Edges and lone vertices of a face.
+    pub fn own(&self, face: u32) -> &Tree {
+        &self.faces[face as usize].own
     }
 }
 
@@ -153,9 +166,7 @@ impl PartSolver {
         if let Some((face, uv)) = last
             && left_m > 0.0
         {
-            let seed = self
-                .sure(part, q, face, uv, left_m)
-                .map(|best| (best, true));
+            let seed = self.begin(part, q, face, uv);
             if let (Some(best), true) = self.search(part, q, Some(face), seed) {
                 if let Some(uv) = kept(part, face, &best) {
                     let [u, v] = part.place(face, uv);
@@ -173,10 +184,7 @@ impl PartSolver {
         let (best, certified) = match found {
             Some(found) => found,
             None => {
-                let seed = last.and_then(|(face, uv)| {
-                    let elementary = self.splines[face as usize].is_none();
-                    Some((self.seed(part, q, face, uv)?, elementary))
-                });
+                let seed = last.and_then(|(face, uv)| self.begin(part, q, face, uv));
                 let (best, certified) = self.search(part, q, None, seed);
                 let Some(best) = best else {
                     warm.budget_m = 0.0;
@@ -204,30 +212,10 @@ impl PartSolver {
         Some(foot)
     }
 
-    /// The foot on a face, where it is inside the loops and the face has no nearer place: on a B-spline that is sure with
-    /// a budget of a certificate (m).
-    fn sure(
-        &mut self,
-        part: &Part,
-        q: &Point3,
-        face: u32,
-        uv: [f64; 2],
-        budget_m: f64,
-    ) -> Option<Best> {
-        let of = &part.faces[face as usize];
-        let (Carrier::Spline(surface), Some(solver)) =
-            (&of.carrier, &mut self.splines[face as usize])
-        else {
-            return self.seed(part, q, face, uv);
-        };
-        let mut warm = WarmFoot {
-            u: uv[0],
-            v: uv[1],
-            budget_m,
-            net_cost: 1.0,
-        };
-        let foot = solver.closest_warm_moved(surface, q, 0.0, 0.0, &mut warm);
-        inside(of, face, q, foot.point, [foot.u, foot.v])
+    /// The foot on a face to begin a search with, and whether the face has no nearer place.
+    fn begin(&self, part: &Part, q: &Point3, face: u32, uv: [f64; 2]) -> Option<(Best, bool)> {
+        let elementary = self.splines[face as usize].is_none();
+        Some((self.seed(part, q, face, uv)?, elementary))
     }
 
     /// The foot on a face that descent leads to, where it is inside the loops.
@@ -248,38 +236,9 @@ impl PartSolver {
 
     /// How far the query may move, m, until something that is not around the face may be nearest; tiny where that is not
     /// known, so that the place is still begun with.
-    fn certificate(
-        &mut self,
-        part: &Part,
-        q: &Point3,
-        face: u32,
-        best: &Best,
-        moved_m: f64,
-    ) -> f64 {
+    fn certificate(&self, part: &Part, q: &Point3, face: u32, best: &Best, moved_m: f64) -> f64 {
         let size_m = part.size_m();
-        let none = f64::MIN_POSITIVE;
         let distance_m = best.squared.sqrt();
-        let mut spline_m = f64::INFINITY;
-        let of = &part.faces[face as usize];
-        if let (Carrier::Spline(surface), Some(solver)) =
-            (&of.carrier, &mut self.splines[face as usize])
-        {
-            let At::Face(uv) = best.at else {
-                return none;
-            };
-            // A budget that is spent: a new certificate at the foot, if the foot is the nearest of the whole surface.
-            let mut warm = WarmFoot {
-                u: uv[0],
-                v: uv[1],
-                budget_m: none,
-                net_cost: 1.0,
-            };
-            let foot = solver.closest_warm_moved(surface, q, 1.0, 0.0, &mut warm);
-            if (foot.distance - distance_m).abs() > EQUAL * size_m || warm.budget_m <= 0.0 {
-                return none;
-            }
-            spline_m = warm.budget_m;
-        }
         let lost_m = 2.0 * part.gap_m() + EQUAL * (size_m + distance_m);
         let reach_m = (LASTS * moved_m)
             .max(REACH[0] * size_m)
@@ -292,9 +251,7 @@ impl PartSolver {
                 return;
             }
             let other = &part.faces[k as usize];
-            if other.carrier.axes().is_none() {
-                *ceiling = squared(&self.near.boxes[k as usize], q).min(*ceiling);
-            } else if other.carrier.may_be_within(q, *ceiling)
+            if other.carrier.may_be_within(q, *ceiling)
                 && let Some(uv) = other.carrier.foot(q)
             {
                 let away = (q - other.carrier.point(uv)).norm_squared();
@@ -311,7 +268,7 @@ impl PartSolver {
             }
         });
         let room_m = 0.5 * (ceiling.sqrt() - distance_m - lost_m);
-        room_m.min(spline_m).max(none)
+        room_m.max(f64::MIN_POSITIVE)
     }
 
     /// The local minimum of the distance that descent from a place leads to, over edges from face to face: it stays on its
@@ -323,10 +280,15 @@ impl PartSolver {
         }
         let (face, uv) = part.on_face(place);
         let mut here = self.on(part, q, face, uv)?;
-        // A descent that only found something farther did not arrive.
         let slack_m = 2.0 * part.gap_m() + 1e-9 * part.size_m();
-        if here.squared.sqrt() > (q - part.point(place)).norm() + slack_m {
-            return None;
+        let is_farther =
+            |best: &Best| best.squared.sqrt() > (q - part.point(place)).norm() + slack_m;
+        if is_farther(&here) {
+            // The descent went through what is outside the loops.
+            here = self.creep(part, q, face, uv)?;
+            if is_farther(&here) {
+                return None;
+            }
         }
         for _ in 0..MOST_HOPS {
             if matches!(here.support, Support::Face(_)) {
@@ -346,7 +308,48 @@ impl PartSolver {
             return Some(best);
         }
         let mut best = None;
-        nearest_wire(part, q, &self.near.faces[face as usize].own, &mut best);
+        nearest_wire(part, q, self.near.own(face), &mut best);
+        best
+    }
+
+    /// Descent over a B-spline in steps that stay within the loops: the foot it comes to, or the nearest edge from where it
+    /// would leave.
+    fn creep(&self, part: &Part, q: &Point3, face: u32, mut uv: [f64; 2]) -> Option<Best> {
+        let of = &part.faces[face as usize];
+        let Carrier::Spline(surface) = &of.carrier else {
+            return None;
+        };
+        let chart = &of.trim.chart;
+        let ranges = [surface.knots_u().domain(), surface.knots_v().domain()].map(|d| d.1 - d.0);
+        let squared = |uv: [f64; 2]| (q - of.carrier.point(uv)).norm_squared();
+        for _ in 0..MOST_STEPS {
+            let here = squared(uv);
+            let straight = self.seed(part, q, face, uv);
+            if let Some(best) = straight.filter(|best| best.squared <= here) {
+                return Some(best);
+            }
+            let frame = surface.frame(uv[0], uv[1]);
+            let step = solved(&frame.du, &frame.dv, &(q - frame.point));
+            let far = (step[0] / ranges[0]).abs().max((step[1] / ranges[1]).abs());
+            let mut share = (CREEP / far.max(f64::MIN_POSITIVE)).min(1.0);
+            let at =
+                |share: f64| chart.confined([uv[0] + share * step[0], uv[1] + share * step[1]]);
+            let goes_down = |share: f64| {
+                (1..=4).all(|k| {
+                    let [a, b] = [k - 1, k].map(|k| squared(at(share * f64::from(k) / 4.0)));
+                    b < a
+                })
+            };
+            while share * far > EQUAL && !goes_down(share) {
+                share *= 0.5;
+            }
+            if share * far <= EQUAL || !of.trim.contains(at(share)) {
+                break;
+            }
+            uv = at(share);
+        }
+        let mut best = None;
+        nearest_wire(part, q, self.near.own(face), &mut best);
         best
     }
 
@@ -445,15 +448,15 @@ fn goes_on(part: &Part, q: &Point3, face: u32, here: &Best, uv: [f64; 2]) -> boo
     }
 }
 
-/// Where on a face a place is that can be kept as one of this face's: inside it, or at an edge of it if it is elementary.
+/// Where on a face a place is that can be kept as one of this face's: inside it, or at an edge of it.
 fn kept(part: &Part, face: u32, best: &Best) -> Option<[f64; 2]> {
     match best.at {
         At::Face(uv) => (best.support == Support::Face(face)).then_some(uv),
         At::Edge(k, at) => {
-            part.faces[face as usize].carrier.axes()?;
             let edge = &part.edges[k as usize];
             let side = edge.sides.iter().find(|side| side.face == face)?;
-            edge.on(side, &part.faces, at)
+            let uv = edge.on(side, &part.faces, at)?;
+            Some(part.faces[face as usize].trim.chart.confined(uv))
         }
         At::Alone => {
             let (own, uv) = part.beside_vertex(best.support.index());
@@ -470,6 +473,7 @@ fn plain(part: &Part, best: &Best) -> Option<(u32, [f64; 2])> {
     let sides = part.edges[k as usize].sides.iter();
     sides
         .map(|side| side.face)
+        .filter(|&face| part.faces[face as usize].carrier.axes().is_some())
         .find_map(|face| Some((face, kept(part, face, best)?)))
 }
 

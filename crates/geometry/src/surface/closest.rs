@@ -16,6 +16,7 @@
 //!
 //! Nothing here allocates after [`ClosestSolver::new`].
 
+mod basin;
 mod bernstein;
 #[cfg(test)]
 mod extreme_tests;
@@ -33,6 +34,7 @@ mod stationary;
 mod tests;
 mod warm;
 
+pub(crate) use self::basin::{Basin, Clip};
 pub(crate) use self::field::{Bottom, Foot};
 use self::minima::Minima;
 pub use self::minima::Summit;

@@ -48,6 +48,7 @@ pub(crate) use bezier::extraction;
 pub use bezier::{BezierPieces, Bounds};
 pub use builtin::{BuiltinError, builtin};
 pub use closed::{DistinctPoints, SAME_POINT};
+pub(crate) use closest::{Basin, Clip};
 pub use closest::{ClosestPoint, ClosestSolver, Summit, WarmFoot};
 pub use cloud_fit::CloudSpec;
 pub use curve::{Curve, CurveError};

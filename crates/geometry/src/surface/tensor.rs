@@ -214,6 +214,12 @@ impl Surface {
         self
     }
 
+    /// Leaves out weights that are all the same: they say nothing, and queries are dearer with them.
+    pub(crate) fn without_even_weights(mut self) -> Self {
+        (self.weights).take_if(|weights| weights.iter().all(|w| *w == weights[0]));
+        self
+    }
+
     /// Knots in u.
     pub fn knots_u(&self) -> &KnotVector {
         &self.knots_u

@@ -32,12 +32,13 @@ pub fn contacts(
     let rounding = 8.0 * f64::EPSILON * (centre.coords.amax() + q.coords.amax());
     let tolerance = TANGENT * (scratch.size_m + far) + rounding;
     let minima = &mut scratch.minima;
-    let Some(closest) = minima.within(part, solver, &q, far + tolerance) else {
-        return;
-    };
+    let closest = minima.within(part, solver, &q, far + tolerance);
     if !minima.is_complete() {
         out.note_dropped();
     }
+    let Some(closest) = closest else {
+        return;
+    };
     let ball = Ball {
         q,
         radius_m,

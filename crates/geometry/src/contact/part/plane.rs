@@ -24,7 +24,7 @@ pub fn contacts(
     out: &mut ContactSet,
 ) {
     out.clear();
-    let PartSide { part, pose, .. } = side;
+    let PartSide { part, pose, solver } = side;
     let Some(normal) = normal
         .try_normalize(0.0)
         .filter(|n| n.iter().all(|x| x.is_finite()))
@@ -41,7 +41,7 @@ pub fn contacts(
     }
     let rounding = 8.0 * f64::EPSILON * (place.coords.amax() + own_place.coords.amax());
     let within_m = reach.margin_m + TANGENT * scratch.size_m + rounding;
-    (scratch.minima).lowest(part, &own_down, level_m, within_m);
+    (scratch.minima).lowest(part, solver, &own_down, level_m, within_m);
     if !scratch.minima.is_complete() {
         out.note_dropped();
     }

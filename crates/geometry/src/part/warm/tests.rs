@@ -4,7 +4,7 @@ use super::super::hand::{axes, bend, cone, dome, drilled, whole};
 use super::*;
 use crate::exchange::step::{PartPick, read_part};
 use crate::math::{Random, Vector3};
-use crate::part::{Brep, Placing};
+use crate::part::{Brep, PartMinima, Placing};
 use std::time::Instant;
 
 const FILES: [&str; 12] = [
@@ -147,14 +147,7 @@ fn follows(name: &str, part: &Part, steps: usize, random: &mut Random) {
             let start = Instant::now();
             let right = cold.closest(part, &q);
             cold_us.push(start.elapsed().as_secs_f64() * 1e6);
-            // The ends of a self-crossing torus without vertices there have no answer.
-            let (Some(foot), Some(right)) = (foot, right) else {
-                assert!(
-                    name == "apple" && foot == right,
-                    "{name} {k}: {foot:?}, {right:?}"
-                );
-                continue;
-            };
+            let (foot, right) = (foot.expect("finite"), right.expect("finite"));
             kept += usize::from(before.budget_m > moved_m);
             assert_eq!(foot.certified, right.certified, "{name} {k}");
             let off = (foot.distance - right.distance).abs();
@@ -257,13 +250,7 @@ fn descent_falls_and_arrives() {
         for k in 0..count {
             let near = anywhere(&part, &mut random);
             let q = anywhere(&part, &mut random);
-            // The ends of a self-crossing torus without vertices there have no answer.
-            let (Some(from), Some(right)) =
-                (solver.closest(&part, &near), solver.closest(&part, &q))
-            else {
-                assert_eq!(name, "apple", "{near} or {q}");
-                continue;
-            };
+            let [from, right] = [near, q].map(|q| solver.closest(&part, &q).expect("finite"));
             let Some(foot) = solver.local(&part, &q, from.place) else {
                 lost += 1;
                 continue;
@@ -285,5 +272,77 @@ fn descent_falls_and_arrives() {
         }
         println!("{name}: {lost} of {count} do not arrive");
         assert!(lost * 20 <= count, "{name}: {lost} do not arrive");
+    }
+}
+
+/// One tick after another along a smooth path near a part with B-splines, as a tool asks for them: a warm closest point, a
+/// descent, all minima near.
+#[test]
+fn ticks_on_b_splines_are_cheap_and_right() {
+    let mut random = Random(4714);
+    for name in ["loft", "seam_cut", "thread"] {
+        let part = of_file(name);
+        let (mut cold, mut solver) = (PartSolver::new(&part), PartSolver::new(&part));
+        let mut minima = PartMinima::new(&part);
+        let size_m = part.size_m();
+        let (low, high) = part.bounds();
+        let (mut q, mut heading) = (high, (low - high).normalize());
+        let (mut last, mut warm) = (q, WarmFoot::default());
+        let mut times = [const { Vec::new() }; 4];
+        for k in 0..4_000 {
+            heading = (heading + 0.2 * random.vector()).normalize();
+            q += heading * random.float(2e-5, 2e-4);
+            let right = cold.closest(&part, &q).expect("finite");
+            if right.distance > 0.05 * size_m {
+                heading = (right.point - q) / right.distance;
+            }
+            let moved_m = (q - last).norm();
+            last = q;
+            let start = Instant::now();
+            let foot = solver.closest_warm_moved(&part, &q, moved_m, &mut warm);
+            let one = start.elapsed();
+            let foot = foot.expect("finite");
+            let local = solver.local(&part, &q, foot.place);
+            let two = start.elapsed();
+            let found = minima.within(&part, &mut solver, &q, 0.02 * size_m);
+            let three = start.elapsed();
+            let spent = [one, two - one, three - two, three];
+            for (times, spent) in times.iter_mut().zip(spent) {
+                times.push(spent.as_secs_f64() * 1e6);
+            }
+            let off_m = (foot.distance - right.distance).abs();
+            assert!(
+                off_m <= 1e-12 * size_m,
+                "{name} {k}: {foot:?}, right {right:?}"
+            );
+            let off_m = found.map_or(0.0, |found| (found.distance - right.distance).abs());
+            assert!(
+                off_m <= 1e-12 * size_m,
+                "{name} {k}: {found:?}, right {right:?}"
+            );
+            assert!(
+                found.is_some() || right.distance > 0.02 * size_m,
+                "{name} {k}"
+            );
+            assert!(local.is_some(), "{name} {k}");
+            if k % 64 == 0 {
+                let mut other = PartMinima::new(&part);
+                let again = other.within(&part, &mut PartSolver::new(&part), &q, 0.02 * size_m);
+                assert_eq!(
+                    (again, other.found()),
+                    (found, minima.found()),
+                    "{name} {k}"
+                );
+            }
+        }
+        let what = ["warm", "local", "minima", "all"];
+        for (what, times) in what.iter().zip(&mut times) {
+            print!(
+                "{name} {what} {:.2} µs, p99 {:.1}; ",
+                quantile(times, 0.5),
+                quantile(times, 0.99)
+            );
+        }
+        println!();
     }
 }

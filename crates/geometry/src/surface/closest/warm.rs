@@ -12,8 +12,9 @@
 //! matrix with diagonal a, b and |off-diagonal| ≤ g stays positive while the entries change by less
 //! than θa, θb and θ√(ab), θ = (1 − g / √(ab)) / 2.
 
+use super::basin::Clip;
 use super::bernstein::{curvature, least, restrict_u, restrict_v};
-use super::newton::Descent;
+use super::newton::{Descent, NewtonPlace};
 use super::objective::{Distance, Objective, Tables};
 use super::search::{Search, SearchPart};
 use crate::surface::bezier::{BezierPieces, Joint, PieceDirection};
@@ -24,6 +25,14 @@ use crate::surface::tensor::Surface;
 const CLAIM: f64 = 0.7;
 /// Parts looked at before giving up: then the next query searches again.
 const PATIENCE: usize = 600;
+
+/// A strip with nothing in it.
+const NOTHING: ([f64; 2], [f64; 2]) = ([0.0; 2], [0.0; 2]);
+/// All of a piece.
+const WHOLE: Clip = Clip {
+    s: [0.0, 1.0],
+    t: [0.0, 1.0],
+};
 
 /// What [`certificate`] grants.
 #[derive(Clone, Copy, Debug, Default)]
@@ -36,14 +45,14 @@ pub(super) struct Grant {
 
 /// A box of unwrapped parameters around the foot.
 #[derive(Clone, Copy, Debug)]
-struct Around {
-    u: [f64; 2],
-    v: [f64; 2],
+pub(super) struct Around {
+    pub u: [f64; 2],
+    pub v: [f64; 2],
 }
 
 /// Largest changes of the Hessian that are allowed, over what one metre does.
 #[derive(Clone, Copy, Debug)]
-struct Slack {
+pub(super) struct Slack {
     /// θa, θb, θ√(ab).
     room: [f64; 3],
     /// Change by a metre of query movement (uu, vv, uv).
@@ -133,22 +142,12 @@ fn certify(
     let distance = best.jet.f.max(0.0).sqrt();
     let mut share = 0.5;
     for _ in 0..5 {
-        let around = surround(pieces, best, share);
+        let around = surround(pieces, &best.place, share);
         if let Some((slacks, count)) = slacks(
-            nu, nv, rational, search, pieces, surface, tables, objective, best, around,
+            nu, nv, rational, search, pieces, surface, tables, objective, best.jet.f, around,
         ) {
             let slacks = &slacks[..count];
-            let mut limit = f64::INFINITY;
-            for slack in slacks {
-                limit = limit.min(if rational {
-                    net_limit(slack, pieces, distance, 0.0)
-                } else {
-                    (0..3).fold(f64::INFINITY, |m, k| {
-                        m.min(slack.room[k] / slack.query[k].max(f64::MIN_POSITIVE))
-                    })
-                });
-            }
-            let limit = limit.min(10.0 * size_m);
+            let limit = query_limit(slacks, rational, pieces, distance).min(10.0 * size_m);
             let gap = gap_outside(
                 nu,
                 nv,
@@ -159,7 +158,8 @@ fn certify(
                 tables,
                 objective,
                 distance,
-                around,
+                Some(around),
+                None,
                 2.0 * limit,
                 size_m,
             );
@@ -183,7 +183,7 @@ fn certify(
 
 /// A box of `share` of the foot's own spans to each side, not past a crease or the far end of a
 /// neighbouring span.
-fn surround(pieces: &BezierPieces, best: &Descent, share: f64) -> Around {
+pub(super) fn surround(pieces: &BezierPieces, at: &NewtonPlace, share: f64) -> Around {
     let one = |d: &PieceDirection, k: usize, x: f64| {
         let (n, span) = (d.spans.len(), &d.spans[k]);
         let reach = share * (span.end - span.start);
@@ -199,8 +199,8 @@ fn surround(pieces: &BezierPieces, best: &Descent, share: f64) -> Around {
         [(x - reach).max(low), (x + reach).min(high)]
     };
     Around {
-        u: one(&pieces.u, best.place.i, best.place.u),
-        v: one(&pieces.v, best.place.j, best.place.v),
+        u: one(&pieces.u, at.i, at.u),
+        v: one(&pieces.v, at.j, at.v),
     }
 }
 
@@ -225,10 +225,26 @@ fn covered(d: &PieceDirection, k: usize, range: [f64; 2]) -> Option<[f64; 2]> {
     })
 }
 
-/// Convexity over the box, part by part; `None` where it is not proved. At most nine pieces meet a
-/// box.
+/// How far the query may move while the Hessian stays positive, m.
+pub(super) fn query_limit(
+    slacks: &[Slack],
+    rational: bool,
+    pieces: &BezierPieces,
+    distance: f64,
+) -> f64 {
+    let of = |slack: &Slack| match rational {
+        true => net_limit(slack, pieces, distance, 0.0),
+        false => (0..3).fold(f64::INFINITY, |m, k| {
+            m.min(slack.room[k] / slack.query[k].max(f64::MIN_POSITIVE))
+        }),
+    };
+    slacks.iter().map(of).fold(f64::INFINITY, f64::min)
+}
+
+/// Convexity over the box, part by part, of the squared distance less `level` times the squared weight; `None` where it is
+/// not proved. At most nine pieces meet a box.
 #[inline(always)]
-fn slacks(
+pub(super) fn slacks(
     nu: usize,
     nv: usize,
     rational: bool,
@@ -237,7 +253,7 @@ fn slacks(
     surface: &Surface,
     tables: &Tables,
     objective: &Distance,
-    best: &Descent,
+    level: f64,
     around: Around,
 ) -> Option<([Slack; 9], usize)> {
     let zero = Slack {
@@ -277,7 +293,7 @@ fn slacks(
             restrict_v(a, nu, nv, t[0], t[1]);
             if rational {
                 for x in 0..len {
-                    a[x] -= best.jet.f * search.w[x];
+                    a[x] -= level * search.w[x];
                 }
             }
             let bend = curvature(a, nu, nv);
@@ -405,9 +421,10 @@ fn net_limit(slack: &Slack, pieces: &BezierPieces, distance: f64, query_m: f64) 
     })
 }
 
-/// Lower bound on (distance outside the box) − distance, at most `most`.
+/// Lower bound on (distance outside the box) − distance, at most `most`; of what is within the clips
+/// of the pieces, if there are any.
 #[inline(always)]
-fn gap_outside(
+pub(super) fn gap_outside(
     nu: usize,
     nv: usize,
     rational: bool,
@@ -417,7 +434,8 @@ fn gap_outside(
     tables: &Tables,
     objective: &Distance,
     distance: f64,
-    around: Around,
+    around: Option<Around>,
+    clips: Option<&[Clip]>,
     most: f64,
     size_m: f64,
 ) -> f64 {
@@ -433,49 +451,58 @@ fn gap_outside(
         if bound >= squared(CLAIM * upper) {
             break;
         }
+        let clip = clips.map_or(WHOLE, |clips| clips[piece]);
+        if clip.s[1] <= clip.s[0] || clip.t[1] <= clip.t[0] {
+            continue;
+        }
         let noise = objective.form(pieces, piece, tables, &mut search.a, &mut search.w);
         let whole = SearchPart::whole(pieces, piece);
         search.parts.clear();
-        match (
-            covered(&pieces.u, whole.i, around.u),
-            covered(&pieces.v, whole.j, around.v),
-        ) {
-            (Some(s), Some(t)) => {
-                // The piece without the box: strips on both sides in u, and what is left on both
-                // sides in v.
-                search.g[..len].copy_from_slice(&search.a[..len]);
-                let strips = [
-                    ([0.0, s[0]], [0.0, 1.0]),
-                    ([s[1], 1.0], [0.0, 1.0]),
-                    (s, [0.0, t[0]]),
-                    (s, [t[1], 1.0]),
-                ];
-                let mut used = 0;
-                for (s, t) in strips {
-                    if s[1] <= s[0] || t[1] <= t[0] {
-                        continue;
-                    }
-                    let slot = used * stride;
-                    search.a[slot..slot + len].copy_from_slice(&search.g[..len]);
-                    restrict_u(&mut search.a[slot..slot + len], nu, nv, s[0], s[1]);
-                    restrict_v(&mut search.a[slot..slot + len], nu, nv, t[0], t[1]);
-                    search.parts.push(SearchPart { s, t, ..whole });
-                    used += 1;
+        let box_in = |around: Around| {
+            let s = covered(&pieces.u, whole.i, around.u)?;
+            let t = covered(&pieces.v, whole.j, around.v)?;
+            let s = [s[0].max(clip.s[0]), s[1].min(clip.s[1])];
+            let t = [t[0].max(clip.t[0]), t[1].min(clip.t[1])];
+            (s[1] > s[0] && t[1] > t[0]).then_some((s, t))
+        };
+        // The piece without the box: strips on both sides in u, and what is left on both sides in v.
+        let strips = match around.and_then(box_in) {
+            Some((s, t)) => [
+                ([clip.s[0], s[0]], clip.t),
+                ([s[1], clip.s[1]], clip.t),
+                (s, [clip.t[0], t[0]]),
+                (s, [t[1], clip.t[1]]),
+            ],
+            None => [(clip.s, clip.t), NOTHING, NOTHING, NOTHING],
+        };
+        if strips[0] == (WHOLE.s, WHOLE.t) {
+            search.parts.push(whole);
+        } else {
+            search.g[..len].copy_from_slice(&search.a[..len]);
+            let mut used = 0;
+            for (s, t) in strips {
+                if s[1] <= s[0] || t[1] <= t[0] {
+                    continue;
                 }
-                if rational {
-                    // W of the whole piece waits beyond the strips' slots until each has its own.
-                    let kept = 4 * stride;
-                    search.w.copy_within(0..len, kept);
-                    for slot in 0..used {
-                        let SearchPart { s, t, .. } = search.parts[slot];
-                        search.w.copy_within(kept..kept + len, slot * stride);
-                        let w = &mut search.w[slot * stride..slot * stride + len];
-                        restrict_u(w, nu, nv, s[0], s[1]);
-                        restrict_v(w, nu, nv, t[0], t[1]);
-                    }
+                let slot = used * stride;
+                search.a[slot..slot + len].copy_from_slice(&search.g[..len]);
+                restrict_u(&mut search.a[slot..slot + len], nu, nv, s[0], s[1]);
+                restrict_v(&mut search.a[slot..slot + len], nu, nv, t[0], t[1]);
+                search.parts.push(SearchPart { s, t, ..whole });
+                used += 1;
+            }
+            if rational {
+                // W of the whole piece waits beyond the strips' slots until each has its own.
+                let kept = 4 * stride;
+                search.w.copy_within(0..len, kept);
+                for slot in 0..used {
+                    let SearchPart { s, t, .. } = search.parts[slot];
+                    search.w.copy_within(kept..kept + len, slot * stride);
+                    let w = &mut search.w[slot * stride..slot * stride + len];
+                    restrict_u(w, nu, nv, s[0], s[1]);
+                    restrict_v(w, nu, nv, t[0], t[1]);
                 }
             }
-            _ => search.parts.push(whole),
         }
         while let Some(part) = search.parts.last().copied() {
             visited += 1;
