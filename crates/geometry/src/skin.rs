@@ -68,7 +68,8 @@ pub fn motion_of_corners(from: &[Point3], to: &[Point3]) -> Option<Pose> {
         let k = shortest.0;
         edges[k] = edges[(k + 1) % 3].cross(&edges[(k + 2) % 3]);
         let axes = Matrix3::from_columns(&edges.map(|edge| edge.normalize()));
-        let turn = Rotation::from_matrix(&axes);
+        let axes_turn = nalgebra::Rotation3::from_matrix_unchecked(axes);
+        let turn = Rotation::from_rotation_matrix(&axes_turn);
         axes.iter()
             .all(|x| x.is_finite())
             .then(|| Pose::from_parts(o.coords.into(), turn))

@@ -178,7 +178,7 @@ fn moments_are_those_of_closed_forms() {
         for (carrier, volume, spread) in [
             (
                 Carrier::Sphere {
-                    axes: at.clone(),
+                    axes: at,
                     radius_m: r,
                 },
                 ball,
@@ -186,7 +186,7 @@ fn moments_are_those_of_closed_forms() {
             ),
             (
                 Carrier::Torus {
-                    axes: at.clone(),
+                    axes: at,
                     major_m: major,
                     minor_m: r,
                 },

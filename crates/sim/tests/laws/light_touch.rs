@@ -146,6 +146,12 @@ fn places(spans: usize) -> [[f64; 2]; 4] {
 const BALL: &str = "{ sphere = { radius_m = 0.01 } }";
 
 /// Force over that of an ellipsoid whose radii of curvature have a geometric mean, by Hertz, on the slab of ν = 0.3.
+/// All of them on coarse nets, one on the finest, which takes ten times as long.
+fn some_places(spans: usize) -> impl Iterator<Item = [f64; 2]> {
+    let count = if spans < 16 { 4 } else { 1 };
+    places(spans).into_iter().take(count)
+}
+
 fn of_hertz(force_n: f64, radius_m: f64, depth_m: f64) -> f64 {
     over_hertz(force_n, radius_m, depth_m, 0.3)
 }
@@ -172,7 +178,7 @@ fn layer_m_n(poisson: f64) -> f64 {
 fn light_touches_of_a_slab_have_hertz_forces_whatever_the_net_the_place_and_the_word() {
     let depths_m = [0.25e-3, 0.5e-3, 1e-3];
     for spans in [8, 12, 16] {
-        for at in places(spans) {
+        for at in some_places(spans) {
             let slab = Slab::cubes(spans);
             let press = |shape: &str, low_m: f64| {
                 slab.press(shape, (at, Rotation::identity()), low_m, &depths_m)
@@ -219,7 +225,7 @@ fn light_touches_of_a_slab_have_hertz_forces_whatever_the_net_the_place_and_the_
 #[test]
 fn cones_have_sneddon_forces_and_are_held_without_a_tremble() {
     for spans in [8, 16] {
-        for at in places(spans) {
+        for at in some_places(spans) {
             for angle in [1.2_f64, 1.0, 0.7, 0.5, 0.3] {
                 let shape =
                     format!("{{ cone = {{ half_angle_rad = {angle:?}, height_m = 0.03 }} }}");
@@ -286,7 +292,7 @@ fn slabs_of_flat_cells_and_thick_cells_have_hertz_forces() {
 fn nets_have_hertz_forces_whatever_their_layers_and_the_place() {
     for spans in [8, 12, 16] {
         for layers in [2, 4, 6] {
-            for at in places(spans) {
+            for at in some_places(spans) {
                 let slab = Slab {
                     model: "net",
                     layers,
@@ -307,7 +313,7 @@ fn nets_have_hertz_forces_whatever_their_layers_and_the_place() {
 #[test]
 fn random_balls_have_hertz_forces() {
     let mut random = Random(43);
-    for _ in 0..24 {
+    for _ in 0..16 {
         let radius_m = 1e-3 * libm::pow(10.0, random.unit());
         let depth_m = radius_m * 0.02 * libm::pow(10.0, random.unit());
         let slab = Slab {
