@@ -33,10 +33,12 @@ mod syntax;
 mod topology;
 mod units;
 mod write;
+mod write_part;
 
 pub use part::{ImportedPart, PlacedSolid, read_part};
 pub use pick::{PartLeftOut, PartPick};
 pub use write::write;
+pub use write_part::{WritePartError, write_part};
 
 use super::spline::SplineError;
 use super::{Imported, Pick};
