@@ -295,3 +295,5 @@ pub fn read(bytes: &[u8], pick: Pick) -> Result<Imported, StepError> {
 mod part_tests;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod write_part_tests;
