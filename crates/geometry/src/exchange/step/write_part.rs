@@ -120,7 +120,8 @@ fn settled(brep: &Brep, unit: &LengthUnit) -> Result<Brep, WritePartError> {
     let point = |p: &Point3| p.map(length);
     let place = |axes: &Axes| {
         let origin = point(&axes.origin);
-        Axes::exactly(origin, &axes.z, &axes.x).unwrap_or(Axes { origin, ..*axes })
+        let [z, x] = [axes.z, axes.x].map(|v| v.add_scalar(0.0));
+        Axes::exactly(origin, &z, &x).unwrap_or(Axes { origin, ..*axes })
     };
     let curve = |edge: &BrepEdge| {
         Ok(match &edge.curve {
@@ -208,11 +209,13 @@ fn settled(brep: &Brep, unit: &LengthUnit) -> Result<Brep, WritePartError> {
     })
 }
 
+/// Of length 1, without −0.
 fn unit_vector(v: &Vector3) -> Vector3 {
-    match is_unit(v) {
+    let v = match is_unit(v) {
         true => *v,
         false => direction_of(v).unwrap_or(*v),
-    }
+    };
+    v.add_scalar(0.0)
 }
 
 /// The shells, and one of the faces that are in none.
@@ -422,7 +425,7 @@ impl Writer<'_> {
             bounds.push(text);
         }
         if bounds.is_empty() {
-            bounds.push(self.whole(face));
+            bounds = self.whole(face);
         }
         let bounds: Vec<String> = (bounds.iter())
             .map(|text| {
@@ -450,28 +453,35 @@ impl Writer<'_> {
         format!("EDGE_LOOP('',{})", list(oriented))
     }
 
-    /// The bound of a face that has none: both seams of a ring, or a vertex.
-    fn whole(&mut self, face: &BrepFace) -> String {
-        let at = match &face.carrier {
+    /// The bounds of a face that has none: both seams of a ring, or vertices.
+    fn whole(&mut self, face: &BrepFace) -> Vec<String> {
+        let places = match &face.carrier {
             Carrier::Torus {
                 axes,
                 major_m,
                 minor_m,
-            } if major_m > minor_m => return self.ring(face, axes, *major_m, *minor_m),
+            } if major_m > minor_m => return vec![self.ring(face, axes, *major_m, *minor_m)],
             Carrier::Torus {
                 axes,
                 major_m,
                 minor_m,
-            } => axes.origin - axes.z * (minor_m * minor_m - major_m * major_m).sqrt(),
-            Carrier::Sphere { axes, radius_m } => axes.origin - axes.z * *radius_m,
-            Carrier::Spline(surface) => {
-                surface.point(surface.knots_u().domain().0, surface.knots_v().domain().0)
+            } => {
+                let up = axes.z * (minor_m * minor_m - major_m * major_m).sqrt();
+                vec![axes.origin - up, axes.origin + up]
             }
-            Carrier::Plane(axes) | Carrier::Cone { axes, .. } => axes.origin,
-            Carrier::Cylinder { axes, radius_m } => axes.origin + axes.x * *radius_m,
+            Carrier::Sphere { axes, radius_m } => vec![axes.origin - axes.z * *radius_m],
+            Carrier::Spline(surface) => {
+                let (u, v) = (surface.knots_u().domain(), surface.knots_v().domain());
+                vec![surface.point(u.0, v.0)]
+            }
+            Carrier::Plane(axes) | Carrier::Cone { axes, .. } => vec![axes.origin],
+            Carrier::Cylinder { axes, radius_m } => vec![axes.origin + axes.x * *radius_m],
         };
-        let vertex = self.vertex_at(&at);
-        format!("VERTEX_LOOP('',#{vertex})")
+        let bound = |place: &Point3| {
+            let vertex = self.vertex_at(place);
+            format!("VERTEX_LOOP('',#{vertex})")
+        };
+        places.iter().map(bound).collect()
     }
 
     fn ring(&mut self, face: &BrepFace, axes: &Axes, major_m: f64, minor_m: f64) -> String {
@@ -683,7 +693,7 @@ impl Writer<'_> {
     }
 
     fn direction(&mut self, direction: &Vector3) -> u64 {
-        let [x, y, z] = [direction.x, direction.y, direction.z].map(|x| real(x, 'E'));
+        let [x, y, z] = [direction.x, direction.y, direction.z].map(|x| real(x + 0.0, 'E'));
         self.sink.share(format!("DIRECTION('',({x},{y},{z}))"))
     }
 

@@ -191,6 +191,18 @@ fn torus(major_m: f64, minor_m: f64) -> Brep {
     })
 }
 
+/// With the vertices where it meets its axis, without which nothing is nearest above them.
+fn apple() -> Brep {
+    let mut brep = torus(0.01, 0.02);
+    let Carrier::Torus { axes, .. } = brep.faces[0].carrier.clone() else {
+        unreachable!()
+    };
+    let up = axes.z * 3e-4f64.sqrt();
+    brep.vertices = vec![axes.origin - up, axes.origin + up];
+    brep.faces[0].bounds = vec![BrepBound::Vertex(0), BrepBound::Vertex(1)];
+    brep
+}
+
 fn mirrored(brep: &Brep) -> Brep {
     let mirror = Matrix3::from_diagonal(&Vector3::new(-1.0, 1.0, 1.0));
     let turn = crate::math::Rotation::from_euler_angles(0.3, -0.7, 1.9);
@@ -278,7 +290,7 @@ fn parts_by_hand_are_the_same_after_writing() {
         ("dome", hand::dome()),
         ("bend", hand::bend()),
         ("ring", torus(0.02, 0.005)),
-        ("apple", torus(0.01, 0.02)),
+        ("apple", apple()),
         ("teardrop", organ("teardrop")),
         ("solid and sheet", both),
         ("mirrored cone", mirrored(&hand::cone())),
@@ -291,4 +303,88 @@ fn parts_by_hand_are_the_same_after_writing() {
             round_trip(name, &brep, &unit.into());
         }
     }
+}
+
+#[test]
+fn faces_without_bounds_get_vertices_or_seams() {
+    let text = |brep: &Brep| write_part(brep, &millimetres(), "whole").unwrap();
+    // Of an apple those of its ends.
+    assert_eq!(text(&torus(0.01, 0.02)), text(&apple()));
+    let ring = text(&torus(0.02, 0.005));
+    assert_eq!(ring.matches("=EDGE_CURVE(").count(), 2);
+    assert_eq!(ring.matches("=ORIENTED_EDGE(").count(), 4);
+}
+
+#[test]
+fn shared_entities_are_written_once_and_units_and_names_are_those_given() {
+    let text = write_part(&hand::drilled(), &millimetres(), "Bohrung \u{d8} 8 'a\\b'").unwrap();
+    for (entity, count) in [
+        ("EDGE_CURVE", 15),
+        ("VERTEX_POINT", 10),
+        ("ADVANCED_FACE", 7),
+        ("ADVANCED_BREP_SHAPE_REPRESENTATION", 1),
+        ("MANIFOLD_SOLID_BREP", 1),
+        // Six along the axes, and no others.
+        ("DIRECTION", 6),
+    ] {
+        let found = text.matches(&format!("={entity}(")).count();
+        assert_eq!(found, count, "{entity}");
+    }
+    assert!(text.is_ascii());
+    assert_eq!(
+        read(text.as_bytes()).solids[0].name,
+        "Bohrung \u{d8} 8 'a\\b'"
+    );
+    let units = [
+        (LengthUnit::of_metres("INCH", 0.0254, 1.0), "inch"),
+        (LengthUnit::of_metres("centimetre", 1e-2, 1.0), "cm"),
+        (LengthUnit::of_metres("foot", 0.3048, 1.0), "mm"),
+    ];
+    for (unit, name) in units {
+        let text = write_part(&hand::drilled(), &unit, "").unwrap();
+        let back = read(text.as_bytes());
+        assert_eq!(back.unit.name(), name);
+        assert_same(name, &hand::drilled(), &back.brep);
+        assert!(
+            write_part(&back.brep, &back.unit, "").unwrap() == text,
+            "{name}"
+        );
+    }
+}
+
+#[test]
+fn lengths_read_back_bit_for_bit_where_the_unit_has_them() {
+    let mut random = Random(5);
+    for unit in [
+        LengthUnit::of_metres("mm", 1.0, 1e3),
+        LengthUnit::of_metres("inch", 25.4, 1e3),
+        LengthUnit::of_metres("cm", 1.0, 1e2),
+    ] {
+        assert_eq!(unit.of_length(unit.to_metres(12.3)), 12.3);
+        for _ in 0..20_000 {
+            let scale = random.float(-6.0, 4.0).exp2();
+            let value = random.signed() * scale;
+            let metres = unit.to_metres(value);
+            assert_eq!(unit.to_metres(unit.of_length(metres)), metres, "{value}");
+            let other = unit.of_length(value);
+            assert_eq!(unit.of_length(unit.to_metres(other)), other, "{value}");
+            assert!((unit.to_metres(other) - value).abs() <= value.abs() * f64::EPSILON);
+        }
+    }
+}
+
+#[test]
+fn a_curve_that_comes_apart_is_refused_with_its_edge() {
+    let mut brep = segments();
+    let knots = KnotVector::new(1, vec![0.0, 0.0, 1.0, 1.0, 2.0, 2.0]).unwrap();
+    let points = [[0.0, 0.0], [1.0, 0.0], [1.0, 0.1], [2.0, 0.0]];
+    let points = points.map(|[x, y]| Point3::new(x, y, 0.0)).to_vec();
+    brep.edges[0].curve = BrepCurve::Spline(Curve::new(knots, points, None).unwrap());
+    let error = write_part(&brep, &millimetres(), "").unwrap_err();
+    assert_eq!(error, WritePartError::Edge { id: 100, knot: 1.0 });
+    assert!(
+        error
+            .to_string()
+            .starts_with("edge #100: its curve is separated at t = 1")
+    );
 }
