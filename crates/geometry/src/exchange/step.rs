@@ -9,6 +9,7 @@
 //! assembly: which solids, where ──▶ topology: shells, faces, loops ──▶ carriers, curves ──▶ Brep ── placed ──▶ ImportedPart
 //!     └──▶ units: each representation's own context
 //! ```
+//! [`write_part`] writes one as AP242.
 //!
 //! A single surface ([`read`]): `B_SPLINE_SURFACE_WITH_KNOTS`, `BEZIER_SURFACE`, `UNIFORM_SURFACE` and
 //! `QUASI_UNIFORM_SURFACE`, each also as a complex instance with `RATIONAL_B_SPLINE_SURFACE`. The
