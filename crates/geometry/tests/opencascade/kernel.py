@@ -78,8 +78,9 @@ def part_of(path):
         return found
 
     volume, area = GProp_GProps(), GProp_GProps()
-    BRepGProp.VolumeProperties_s(shape, volume)
-    BRepGProp.SurfaceProperties_s(shape, area)
+    # The quadrature without a tolerance is off by a hundredth on lofts.
+    BRepGProp.VolumeProperties_s(shape, volume, 1e-9, False, False)
+    BRepGProp.SurfaceProperties_s(shape, area, 1e-9, False)
     return {
         "valid": BRepCheck_Analyzer(shape).IsValid(),
         "faces": count(TopAbs_FACE),
