@@ -195,6 +195,37 @@ fn triangles_of_parts_are_watertight() {
 }
 
 #[test]
+fn a_part_is_written_as_step_and_is_the_same() {
+    let directory = tempfile::tempdir().unwrap();
+    let (step, _) = part("assembly");
+    let info = |file: &str| lines(&palpate(directory.path(), &["info", file, "--json"]))[0].clone();
+    let before = info(&step);
+    for (made, unit) in [
+        (vec!["convert", &step, "a.step"], "mm"),
+        (vec!["convert", &step, "b.stp", "--unit", "m"], "m"),
+        (vec!["convert", "a.step", "again.step"], "mm"),
+    ] {
+        let output = palpate(directory.path(), &made);
+        assert_eq!(output.status.code(), Some(0), "{}", words(&output));
+        let after = info(made[2]);
+        assert_eq!(after["unit"], unit);
+        assert_eq!(after["closed"], true);
+        assert_eq!(after["edges"], before["edges"]);
+        let kinds = |info: &Value| -> Vec<Value> {
+            let faces = info["faces"].as_array().unwrap().iter();
+            faces.map(|face| face["type"].clone()).collect()
+        };
+        assert_eq!(kinds(&after), kinds(&before));
+        let scale: f64 = if unit == "m" { 1e-9 } else { 1.0 };
+        let volume = before["volume"].as_f64().unwrap() * scale;
+        assert!(near(&volume.into(), &after["volume"], 1e-12), "{after}");
+    }
+    let [first, second] = ["a.step", "again.step"]
+        .map(|name| std::fs::read_to_string(directory.path().join(name)).unwrap());
+    assert_eq!(first, second);
+}
+
+#[test]
 fn a_face_that_cannot_be_read_is_refused_or_left_out_with_a_difference() {
     let directory = tempfile::tempdir().unwrap();
     let (step, _) = part("filleted_box");
@@ -251,7 +282,11 @@ fn what_takes_one_surface_or_one_part_says_so() {
             2,
             "--cells",
         ),
-        (&["convert", filleted, "a.json"], 2, "triangles only"),
+        (
+            &["convert", filleted, "a.json"],
+            2,
+            "written as .step or .stp",
+        ),
         (
             &["info", filleted, "--part", "no such"],
             2,

@@ -3,8 +3,10 @@
 //! Files that it wrote are kept in `tests/opencascade/`; the rest runs where Python has it (`pip
 //! install cadquery-ocp`; `PALPATE_PYTHON` names another Python than `python3`).
 
+use palpate_geometry::exchange::step::{PartPick, read_part, write_part};
 use palpate_geometry::exchange::{Format, Pick, read_surface, write_surface};
 use palpate_geometry::math::Point3;
+use palpate_geometry::part::Part;
 use palpate_geometry::surface::file::{self, Unit};
 use palpate_geometry::surface::{Direction, Surface, builtin};
 use serde_json::Value;
@@ -193,5 +195,45 @@ fn opencascade_evaluates_our_files_to_our_points() {
             error <= 1e-12,
             "{file}: OpenCASCADE's points are off by {error} of the size"
         );
+    }
+}
+
+#[test]
+fn opencascade_finds_our_parts_valid_and_as_large() {
+    let Some(mut command) = python() else {
+        println!("skipped: this Python has no OCP (pip install cadquery-ocp)");
+        return;
+    };
+    let directory = tempfile::tempdir().unwrap();
+    let parts = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/parts");
+    let mut written = Vec::new();
+    for entry in std::fs::read_dir(parts).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_none_or(|ending| ending != "step") {
+            continue;
+        }
+        let name = path.file_stem().unwrap().to_str().unwrap().to_owned();
+        let read = read_part(&std::fs::read(&path).unwrap(), &PartPick::default()).unwrap();
+        let text = write_part(&read.brep, &read.unit, &name).unwrap();
+        std::fs::write(directory.path().join(format!("{name}.step")), text).unwrap();
+        written.push((name, read));
+    }
+    assert_eq!(written.len(), 12);
+    command.arg("parts").arg(directory.path());
+    run(command);
+    let text = std::fs::read_to_string(directory.path().join("parts.json")).unwrap();
+    let found: Value = serde_json::from_str(&text).unwrap();
+    for (name, read) in written {
+        let (found, part) = (&found[&name], Part::new(&read.brep).unwrap());
+        let measure = part.measure();
+        let area_mm2 = measure.face_areas_m2.iter().sum::<f64>() * 1e6;
+        let volume_mm3 = measure.volume_m3.unwrap() * 1e9;
+        let off = [("volume", volume_mm3), ("area", area_mm2)]
+            .map(|(what, ours)| (found[what].as_f64().unwrap() / ours - 1.0).abs());
+        println!("{name}: {found}, volume and area off by {off:?}");
+        assert_eq!(found["valid"], true, "{name}");
+        assert_eq!(found["faces"], part.faces().len(), "{name}");
+        assert_eq!(found["solids"], read.solids.len(), "{name}");
+        assert!(off.iter().all(|off| *off < 1e-6), "{name}: off by {off:?}");
     }
 }

@@ -63,30 +63,37 @@ impl Fineness {
 pub struct ConvertArgs {
     #[command(flatten)]
     source: SurfaceArg,
-    /// Output file: .json, .step, .stp, .iges, .igs; or triangles as .stl, .obj, .glb.
+    /// Output file: .json, .step, .stp, .iges, .igs (a part: .step, .stp); or triangles as .stl, .obj, .glb.
     output: PathBuf,
-    /// Unit of the output file.
-    #[arg(long, default_value = "m")]
-    unit: UnitName,
+    /// Unit of the output file [default: m; of a part as STEP that of its file if it is m, cm, mm or inch, else mm].
+    #[arg(long)]
+    unit: Option<UnitName>,
     #[command(flatten)]
     fineness: Fineness,
 }
 
 pub fn convert(args: &ConvertArgs) -> anyhow::Result<Outcome> {
     let format = Format::of(&args.output)?;
+    let unit = args.unit.unwrap_or(UnitName::M);
     let made = Made {
         format,
-        unit: args.unit,
+        unit,
         path: &args.output,
         fineness: &args.fineness,
     };
     match (args.source.open()?, format) {
+        (Opened::Part(loaded), Format::Step) => {
+            loaded.tell();
+            let unit = args.unit.map(|unit| Unit::from(unit).into());
+            write(&args.output, loaded.step(unit)?.as_bytes())?;
+            Ok(loaded.outcome())
+        }
         (Opened::Part(loaded), _) => made.of_part(&loaded),
         (Opened::Surface(loaded), Format::Stl | Format::Obj | Format::Ply | Format::Glb) => {
             made.of_surface(&loaded.surface)
         }
         (Opened::Surface(loaded), _) => {
-            let bytes = write_surface(&loaded.surface, format, args.unit.into())?;
+            let bytes = write_surface(&loaded.surface, format, unit.into())?;
             write(&args.output, &bytes)?;
             Ok(Outcome::Ok)
         }

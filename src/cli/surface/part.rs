@@ -1,8 +1,9 @@
 //! Parts as the commands take them: all trimmed faces of a STEP file.
 
 use crate::cli::Outcome;
-use palpate_geometry::exchange::step::{ImportedPart, PartLeftOut, PlacedSolid};
-use palpate_geometry::part::{Part, PartMesh};
+use palpate_geometry::exchange::LengthUnit;
+use palpate_geometry::exchange::step::{ImportedPart, PartLeftOut, PlacedSolid, write_part};
+use palpate_geometry::part::{Brep, Part, PartMesh};
 use std::path::{Path, PathBuf};
 
 /// Most triangles of a part.
@@ -28,8 +29,8 @@ pub(super) enum Misuse {
     Cells,
     /// A format for one surface.
     #[error(
-        "a part of {faces} faces is written as triangles only: use .stl, .obj or .glb; `--index N --ignore-trims` takes one of \
-         its B-splines whole"
+        "a part of {faces} faces is written as .step or .stp, or as triangles: .stl, .obj or .glb; `--index N \
+         --ignore-trims` takes one of its B-splines whole"
     )]
     Format { faces: usize },
     /// A point beyond all lengths.
@@ -40,6 +41,9 @@ pub(super) enum Misuse {
 /// A part (m) and the unit of its file.
 pub(super) struct LoadedPart {
     pub(super) part: Part,
+    /// As the file has it.
+    pub(super) brep: Brep,
+    pub(super) length: LengthUnit,
     pub(super) unit: String,
     /// Units to a metre.
     pub(super) per_metre: f64,
@@ -63,8 +67,10 @@ impl LoadedPart {
         notes.extend(part.senses().notes());
         Ok(Self {
             part,
+            brep,
             per_metre: super::per_metre(&unit),
             unit: unit.name().to_owned(),
+            length: unit,
             solids,
             left_out,
             notes,
@@ -89,6 +95,16 @@ impl LoadedPart {
             true => Outcome::Ok,
             false => Outcome::Difference,
         }
+    }
+
+    /// A STEP file of it, in the unit of its own file unless another is given.
+    pub(super) fn step(&self, unit: Option<LengthUnit>) -> anyhow::Result<String> {
+        let name = self.solids.first().map_or("", |solid| &solid.name);
+        let one = self.solids.iter().all(|solid| solid.name == name) && !name.is_empty();
+        let of_file = self.path.file_stem().unwrap_or_default().to_string_lossy();
+        let name = if one { name } else { &of_file };
+        let unit = unit.unwrap_or_else(|| self.length.clone());
+        Ok(write_part(&self.brep, &unit, name)?)
     }
 
     /// Triangles within a tolerance (m).

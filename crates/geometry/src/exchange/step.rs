@@ -9,6 +9,7 @@
 //! assembly: which solids, where ──▶ topology: shells, faces, loops ──▶ carriers, curves ──▶ Brep ── placed ──▶ ImportedPart
 //!     └──▶ units: each representation's own context
 //! ```
+//! [`write_part`] writes one as AP242.
 //!
 //! A single surface ([`read`]): `B_SPLINE_SURFACE_WITH_KNOTS`, `BEZIER_SURFACE`, `UNIFORM_SURFACE` and
 //! `QUASI_UNIFORM_SURFACE`, each also as a complex instance with `RATIONAL_B_SPLINE_SURFACE`. The
@@ -33,10 +34,12 @@ mod syntax;
 mod topology;
 mod units;
 mod write;
+mod write_part;
 
 pub use part::{ImportedPart, PlacedSolid, read_part};
 pub use pick::{PartLeftOut, PartPick};
 pub use write::write;
+pub use write_part::{WritePartError, write_part};
 
 use super::spline::SplineError;
 use super::{Imported, Pick};
@@ -293,3 +296,5 @@ pub fn read(bytes: &[u8], pick: Pick) -> Result<Imported, StepError> {
 mod part_tests;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod write_part_tests;

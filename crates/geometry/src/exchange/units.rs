@@ -1,5 +1,6 @@
 //! The length unit of a file.
 
+use crate::surface::file::Unit;
 use std::fmt;
 
 /// A length unit as a file names it. Kept as a fraction: a millimetre is 1 / 1000 m, and dividing
@@ -57,6 +58,37 @@ impl LengthUnit {
         value * self.numerator / self.denominator
     }
 
+    /// The number of this unit that reads back as a length (m), and of several the one with fewest digits; the nearest one
+    /// where none does. What it reads back as gives the same number again.
+    pub(super) fn of_length(&self, metres: f64) -> f64 {
+        let mut value = self.nearest(metres);
+        for _ in 0..8 {
+            let again = self.nearest(self.to_metres(value));
+            if again == value {
+                break;
+            }
+            value = again;
+        }
+        value
+    }
+
+    fn nearest(&self, metres: f64) -> f64 {
+        // Not −0 either.
+        if metres == 0.0 {
+            return 0.0;
+        }
+        if self.numerator == self.denominator {
+            return metres;
+        }
+        let plain = (metres / self.numerator * self.denominator).to_bits();
+        let off = |value: f64| (self.to_metres(value) - metres).abs();
+        let near = (0..9).map(|k| f64::from_bits(plain.wrapping_add(k).wrapping_sub(4)));
+        let least = near.clone().map(off).fold(f64::INFINITY, f64::min);
+        let best = near.filter(|&value| off(value) == least);
+        let best = best.min_by_key(|value| format!("{value:?}").len());
+        best.unwrap_or(f64::from_bits(plain))
+    }
+
     /// Its name in the file, or its symbol.
     pub fn name(&self) -> &str {
         &self.name
@@ -70,6 +102,12 @@ impl LengthUnit {
     /// False when the file names none and the format's custom was taken.
     pub fn is_stated(&self) -> bool {
         self.stated
+    }
+}
+
+impl From<Unit> for LengthUnit {
+    fn from(unit: Unit) -> Self {
+        Self::of_metres(unit.name(), 1.0, unit.per_metre())
     }
 }
 

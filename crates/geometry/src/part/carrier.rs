@@ -35,6 +35,20 @@ impl Axes {
         })
     }
 
+    /// As [`Self::new`], but directions that have length 1 and are at right angles, to rounding, stay as they are to the last
+    /// bit.
+    pub(crate) fn exactly(origin: Point3, z: &Vector3, x: &Vector3) -> Option<Self> {
+        if !(is_unit(z) && is_unit(x) && z.dot(x).abs() <= UNIT) {
+            return Self::new(origin, z, Some(x));
+        }
+        Some(Self {
+            origin,
+            x: *x,
+            y: z.cross(x),
+            z: *z,
+        })
+    }
+
     /// A point's coordinates along the three axes, m.
     pub fn to_local(&self, point: &Point3) -> Vector3 {
         let d = point - self.origin;
@@ -50,6 +64,14 @@ impl Axes {
     pub fn to_world(&self, local: &Vector3) -> Point3 {
         self.origin + self.direction(local)
     }
+}
+
+/// What rounding makes of the squared length of a unit vector.
+const UNIT: f64 = 8.0 * f64::EPSILON;
+
+/// Its length is 1 to rounding.
+pub(crate) fn is_unit(v: &Vector3) -> bool {
+    (v.norm_squared() - 1.0).abs() <= UNIT
 }
 
 /// An unbounded surface that a face is a part of. Its parameters are lengths (m) and angles (rad).

@@ -15,7 +15,7 @@ mod measure;
 mod minima;
 #[expect(clippy::module_inception)]
 mod part;
-mod pcurve;
+pub(crate) mod pcurve;
 mod place;
 mod senses;
 mod sharp;
@@ -25,6 +25,7 @@ mod trim;
 mod warm;
 
 pub use brep::{Brep, BrepBound, BrepCurve, BrepEdge, BrepFace, BrepShell, OutOfRange, Placing};
+pub(crate) use carrier::is_unit;
 pub use carrier::{Axes, Carrier};
 pub use closest::{PartFoot, PartSolver, Support};
 pub use curve::CurveProblem;

@@ -1,7 +1,8 @@
 //! An edge in the parameters of a B-spline that it bounds: cubics through feet and their slopes.
 
 use super::bezier::Homogeneous;
-use super::carrier::closed;
+use super::brep::{Brep, BrepBound};
+use super::carrier::{Carrier, closed};
 use super::chart::lifted;
 use super::curve::EdgeCurve;
 use crate::math::{Point3, Vector3};
@@ -11,6 +12,8 @@ use crate::surface::{ClosestSolver, Surface};
 const FIT: f64 = 1e-10;
 /// Halvings of a segment at most.
 const MOST_HALVINGS: usize = 9;
+/// How far the end of a cubic may be from the start of the next one, of its size.
+const JOINED: f64 = 1e-6;
 /// Below this, of the size, a derivative has no direction: a pole.
 const POLE: f64 = 1e-7;
 
@@ -106,6 +109,75 @@ fn value(p: &[[f64; 2]; 4], s: f64) -> [f64; 2] {
             + 3.0 * r * s * s * p[2][k]
             + s * s * s * p[3][k]
     })
+}
+
+/// A chain of cubics in (u, v) as one curve.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct FlatCurve {
+    /// Where the cubics meet: one more than there are.
+    pub breaks: Vec<f64>,
+    /// Control points, those at breaks once.
+    pub points: Vec<[f64; 2]>,
+}
+
+/// Pictures of an edge in the parameters of the B-splines that it bounds, by their faces; in the sense of the edge's curve.
+/// Where a face is on both sides of the edge, and where a picture has gaps (at poles), there is none.
+pub(crate) fn pictures(brep: &Brep) -> Vec<Vec<(u32, FlatCurve)>> {
+    let mut all = vec![Vec::new(); brep.edges.len()];
+    for (f, face) in brep.faces.iter().enumerate() {
+        let Carrier::Spline(surface) = &face.carrier else {
+            continue;
+        };
+        let mut solver = ClosestSolver::new(surface);
+        let loops = face.bounds.iter().filter_map(|bound| match bound {
+            BrepBound::Loop(uses) => Some(uses),
+            BrepBound::Vertex(_) => None,
+        });
+        let mut edges: Vec<u32> = loops.flatten().map(|&(e, _)| e).collect();
+        edges.sort_unstable();
+        for run in edges.chunk_by(|a, b| a == b) {
+            let ([e], Some(edge)) = (run, brep.edges.get(run[0] as usize)) else {
+                continue;
+            };
+            let ends = edge.ends.map(|v| &brep.vertices[v as usize]);
+            let closed = edge.ends[0] == edge.ends[1];
+            let curve = EdgeCurve::new(&edge.curve, edge.along, ends, closed);
+            let picture = curve
+                .ok()
+                .and_then(|curve| PCurve::new(surface, &mut solver, &curve).joined(edge.along));
+            all[*e as usize].extend(picture.map(|picture| (f as u32, picture)));
+        }
+    }
+    all
+}
+
+impl PCurve {
+    /// All cubics as one curve, the other way round if not `along`; `None` where they do not meet.
+    fn joined(&self, along: bool) -> Option<FlatCurve> {
+        let place = |c: &Cubic, t: f64| c.segment as f64 + t;
+        let first = self.cubics.first()?;
+        let mut breaks = vec![place(first, first.t[0])];
+        let mut points = vec![first.points[0]];
+        for cubic in &self.cubics {
+            let (last, next) = (points[points.len() - 1], cubic.points[0]);
+            let size = (0..2).map(|k| (cubic.points[3][k] - next[k]).abs());
+            let apart = (0..2).map(|k| (last[k] - next[k]).abs());
+            if apart.fold(0.0, f64::max) > JOINED * size.fold(0.0, f64::max) {
+                return None;
+            }
+            breaks.push(place(cubic, cubic.t[1]));
+            points.extend(&cubic.points[1..]);
+        }
+        if !along {
+            let end = breaks[0] + breaks[breaks.len() - 1];
+            breaks.reverse();
+            breaks.iter_mut().for_each(|t| *t = end - *t);
+            points.reverse();
+        }
+        let rising = breaks.windows(2).all(|pair| pair[0] < pair[1]);
+        let finite = points.iter().flatten().all(|x| x.is_finite());
+        (rising && finite).then_some(FlatCurve { breaks, points })
+    }
 }
 
 impl Tracer<'_> {

@@ -1,6 +1,7 @@
 """OpenCASCADE beside us: evaluates the surfaces of files, and writes files with surfaces of its own.
 
     kernel.py points DIRECTORY    points of the first face of each file that parameters.json names, to points.json
+    kernel.py parts DIRECTORY     what it makes of each STEP file of a part, to parts.json
     kernel.py write DIRECTORY     files of every kind of surface, and expected.json
 
 `parameters.json` has a list of [u, v] for each file, `points.json` one of [x, y, z], in metres; `expected.json` both.
@@ -14,13 +15,16 @@ from pathlib import Path
 
 from OCP.BRep import BRep_Tool
 from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace
+from OCP.BRepCheck import BRepCheck_Analyzer
+from OCP.BRepGProp import BRepGProp
 from OCP.Geom import Geom_BSplineSurface
 from OCP.gp import gp_Pnt
+from OCP.GProp import GProp_GProps
 from OCP.IFSelect import IFSelect_RetDone
 from OCP.IGESControl import IGESControl_Controller, IGESControl_Reader, IGESControl_Writer
 from OCP.Interface import Interface_Static
 from OCP.STEPControl import STEPControl_AsIs, STEPControl_Controller, STEPControl_Reader, STEPControl_Writer
-from OCP.TopAbs import TopAbs_FACE
+from OCP.TopAbs import TopAbs_FACE, TopAbs_SOLID
 from OCP.TopExp import TopExp_Explorer
 from OCP.TopoDS import TopoDS
 
@@ -56,6 +60,34 @@ def evaluate(surface, parameters, per_unit):
         p = surface.Value(u, v)
         out.append([p.X() * per_unit, p.Y() * per_unit, p.Z() * per_unit])
     return out
+
+
+def part_of(path):
+    """Whether it is valid, its faces and solids, and its volume (mm^3) and area (mm^2)."""
+    reader = STEPControl_Reader()
+    if reader.ReadFile(str(path)) != IFSelect_RetDone:
+        raise SystemExit(f"{path}: OpenCASCADE does not read it")
+    reader.TransferRoots()
+    shape = reader.OneShape()
+
+    def count(kind):
+        explorer, found = TopExp_Explorer(shape, kind), 0
+        while explorer.More():
+            found += 1
+            explorer.Next()
+        return found
+
+    volume, area = GProp_GProps(), GProp_GProps()
+    # The quadrature without a tolerance is off by a hundredth on lofts.
+    BRepGProp.VolumeProperties_s(shape, volume, 1e-9, False, False)
+    BRepGProp.SurfaceProperties_s(shape, area, 1e-9, False)
+    return {
+        "valid": BRepCheck_Analyzer(shape).IsValid(),
+        "faces": count(TopAbs_FACE),
+        "solids": count(TopAbs_SOLID),
+        "volume": volume.Mass(),
+        "area": area.Mass(),
+    }
 
 
 def made(degrees, knots, multiplicities, rows, columns, periodic, rational, seed, closed=(False, False)):
@@ -154,6 +186,10 @@ def main():
         parameters = json.loads((directory / "parameters.json").read_text())
         points = {name: evaluate(surface_of(directory / name), pairs, 1e-3) for name, pairs in parameters.items()}
         (directory / "points.json").write_text(json.dumps(points))
+    elif sys.argv[1] == "parts":
+        directory = Path(sys.argv[2])
+        parts = {path.stem: part_of(path) for path in sorted(directory.glob("*.step"))}
+        (directory / "parts.json").write_text(json.dumps(parts))
     else:
         write(sys.argv[2])
 

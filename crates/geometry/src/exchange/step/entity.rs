@@ -4,7 +4,7 @@ use super::StepError;
 use super::syntax::{Exchange, Record, Value};
 use super::units::Unit;
 use crate::math::{MOST_COORDINATE_M, Point3, Vector3, direction_of, first_outside};
-use crate::part::Axes;
+use crate::part::{Axes, is_unit};
 use std::cell::Cell;
 
 /// How often a byte of the file may be read on average, and how many bytes anyway. What solids share is read once for
@@ -66,7 +66,12 @@ impl<'a, 'b> File<'a, 'b> {
         const WANTED: &str = "three numbers that are not all 0";
         let entity = self.entity(id, from)?;
         let [x, y, z] = entity.triple("DIRECTION", WANTED)?;
-        direction_of(&Vector3::new(x, y, z)).ok_or_else(|| StepError::Attribute {
+        let given = Vector3::new(x, y, z);
+        // To the last bit, so that what is written reads back as it was.
+        if is_unit(&given) {
+            return Ok(given);
+        }
+        direction_of(&given).ok_or_else(|| StepError::Attribute {
             id,
             what: "DIRECTION".to_owned(),
             wanted: WANTED,
@@ -87,7 +92,7 @@ impl<'a, 'b> File<'a, 'b> {
         };
         let z = direction(2, Vector3::z())?;
         let about = direction(3, Vector3::x())?;
-        let axes = Axes::new(origin, &z, Some(&about));
+        let axes = Axes::exactly(origin, &z, &about);
         axes.ok_or_else(|| entity.other("an AXIS2_PLACEMENT_3D with two directions"))
     }
 

@@ -61,7 +61,8 @@ pub fn write(surface: &Surface, unit: Unit) -> Result<String, SplineError> {
          #20=GEOMETRIC_SET('',(#{SURFACE}));",
         uncertainty = real(1e-9 * unit.per_metre(), 'E'),
     );
-    surface_instance(&mut out, &written);
+    let text = surface_text(&written, |k| format!("#{}", SURFACE + 2 + k));
+    let _ = writeln!(out, "#{SURFACE}={text};");
     let _ = writeln!(
         out,
         "#{}=SHAPE_DEFINITION_REPRESENTATION(#9,#19);",
@@ -79,12 +80,11 @@ pub fn write(surface: &Surface, unit: Unit) -> Result<String, SplineError> {
     Ok(out)
 }
 
-fn surface_instance(out: &mut String, written: &Written) {
+/// A surface's entity, without its number. `point` is the reference to a control point.
+pub(super) fn surface_text(written: &Written, point: impl Fn(usize) -> String) -> String {
     let [degree_u, degree_v] = written.degrees;
     let logical = |flag: bool| if flag { ".T." } else { ".F." };
-    let points = grid(written.rows, written.columns, |k| {
-        format!("#{}", SURFACE + 2 + k)
-    });
+    let points = grid(written.rows, written.columns, point);
     let common = format!(
         "{degree_u},{degree_v},{points},.UNSPECIFIED.,{},{},.U.",
         logical(written.closed[0]),
@@ -101,23 +101,19 @@ fn surface_instance(out: &mut String, written: &Written) {
         values(&u),
         values(&v)
     );
-    let _ = match &written.weights {
-        None => writeln!(
-            out,
-            "#{SURFACE}=B_SPLINE_SURFACE_WITH_KNOTS('',{common},\n{knots});"
-        ),
+    match &written.weights {
+        None => format!("B_SPLINE_SURFACE_WITH_KNOTS('',{common},\n{knots})"),
         Some(weights) => {
             let weights = grid(written.rows, written.columns, |k| real(weights[k], 'E'));
             // Parts of a complex instance stand in alphabetical order.
-            writeln!(
-                out,
-                "#{SURFACE}=(BOUNDED_SURFACE()B_SPLINE_SURFACE({common})\n\
+            format!(
+                "(BOUNDED_SURFACE()B_SPLINE_SURFACE({common})\n\
                  B_SPLINE_SURFACE_WITH_KNOTS({knots})\n\
                  GEOMETRIC_REPRESENTATION_ITEM()RATIONAL_B_SPLINE_SURFACE({weights})\n\
-                 REPRESENTATION_ITEM('')SURFACE());"
+                 REPRESENTATION_ITEM('')SURFACE())"
             )
         }
-    };
+    }
 }
 
 /// `((…),(…))`, a row a line.
