@@ -40,9 +40,9 @@ fn ways() -> [Way; 3] {
             up: -Vector3::z(),
         },
         Way {
-            name: "screw thread",
+            name: "thread, pitch 4 mm",
             step: include_str!("../../../geometry/tests/data/parts/thread.step"),
-            start: Point3::new(0.0106, 0.0, 0.022),
+            start: Point3::new(0.012 + over_m, 0.0, 0.016),
             along: -Vector3::z(),
             up: Vector3::x(),
         },
