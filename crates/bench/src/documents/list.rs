@@ -245,7 +245,7 @@ pub(super) fn tables() -> Vec<Table> {
                 "parts",
                 "docs/figures.md",
                 &[Rows(Suite::Parts, &[("slide/*", "*")])],
-                &[Median, P99, Error, Wrong, Note],
+                &[Median, P99, Error, Wrong],
                 &["crates/bench/src/parts/slide.rs", GEOMETRY],
             )
         },
