@@ -3,6 +3,7 @@
 
 mod picture;
 mod slide;
+mod world;
 
 pub use self::picture::parts_picture;
 

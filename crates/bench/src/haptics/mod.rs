@@ -18,7 +18,6 @@ mod zwidth;
 
 pub use energy::Trace;
 pub use hands::{HandsReport, hands};
-pub(crate) use rig::World;
 pub use svg::{energy_picture, zwidth_picture};
 pub use zwidth::WidthCurve;
 

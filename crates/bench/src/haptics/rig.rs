@@ -12,7 +12,7 @@ use palpate_sim::tick::{SceneState, Scratch};
 use std::path::Path;
 
 /// A scene at work.
-pub(crate) struct World {
+pub(super) struct World {
     pub scene: Scene,
     state: SceneState,
     scratch: Scratch,

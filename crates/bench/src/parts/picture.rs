@@ -1,7 +1,7 @@
 //! Forces along straight ways over a fillet, a sharp edge and a thread.
 
 use super::slide::{PRESSED_M, RADIUS_M, scene};
-use crate::haptics::World;
+use super::world::World;
 use palpate::chart::{Chart, Curve, Scale, page};
 use palpate_geometry::math::{Point3, Vector3};
 

@@ -1,6 +1,6 @@
 //! A ball slid over parts in the loop: time of a tick, contact that is lost, steps of the force.
 
-use crate::haptics::World;
+use super::world::World;
 use crate::measure::{Times, clocked};
 use crate::{Effort, Row};
 use palpate_geometry::math::{Point3, Random, Vector3};
