@@ -7,6 +7,8 @@ pub const WIDTH: f64 = 1000.0;
 const HEIGHT: f64 = 600.0;
 /// Left, top, right and bottom of the plot.
 pub const FRAME: [f64; 4] = [80.0, 40.0, 720.0, 540.0];
+/// Marks on a line at most; a line of more points has none.
+const MOST_MARKS: usize = 64;
 /// As many as a suite has methods.
 pub const COLOURS: [&str; 16] = [
     "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#7f7f7f",
@@ -224,7 +226,9 @@ fn draw(chart: &Chart, front: &[(f64, f64)], svg: &mut String) {
         if curve.lined && curve.points.len() > 1 {
             line(&curve.points, colour, svg);
         }
-        for (i, point) in curve.points.iter().enumerate() {
+        // Many marks on a line hide it.
+        let marked = !curve.lined || curve.points.len() <= MOST_MARKS;
+        for (i, point) in curve.points.iter().enumerate().filter(|_| marked) {
             let title = curve.titles.get(i).unwrap_or(&curve.name);
             mark(
                 svg,

@@ -183,6 +183,8 @@ fn completed(part: &str) -> String {
 /// Files that parts of scenes name, as people would have them.
 fn files() -> tempfile::TempDir {
     let directory = tempfile::tempdir().unwrap();
+    let bracket = root().join("scenes/bracket.step");
+    std::fs::copy(bracket, directory.path().join("bracket.step")).unwrap();
     for (name, arguments) in [
         ("liver.json", &["convert", "builtin:teardrop"]),
         ("organ.json", &["convert", "builtin:sphere"]),

@@ -47,6 +47,8 @@ enum Field {
     TimesLonger(&'static str),
     /// How many times longer the fastest of the other libraries takes.
     PeersTakeTimesLonger,
+    /// The 99th percentile of its times.
+    Slowest,
     /// What the row itself says: figures, hard cases and scenarios have their bars beside them.
     Own,
 }
@@ -221,6 +223,7 @@ impl Promise {
             | Field::Excess
             | Field::Wrong
             | Field::PeersTakeTimesLonger
+            | Field::Slowest
             | Field::Own => {}
         }
         rows
@@ -286,6 +289,11 @@ impl Promise {
                         "×",
                     )
                 }
+                Field::Slowest => (
+                    "99th percentile".to_owned(),
+                    row.times.map(|times| times.p99_s * 1e6),
+                    "µs",
+                ),
                 Field::Own => return None,
             };
             let name = format!("{} {}: {what}", row.case, row.method);

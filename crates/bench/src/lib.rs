@@ -38,7 +38,7 @@ pub use faults::{FaultOptions, faults};
 pub use figure::{Bar, Figure, figures_table};
 pub use measure::Times;
 pub use modeling::modeling;
-pub use parts::{census, parts};
+pub use parts::{census, parts, parts_picture};
 pub use peers::LEFT_OUT;
 pub use recording::{RecorderOptions, record_until_killed, recording};
 pub use relay::{RelayOptions, SubscriberOptions, relay, subscribers};

@@ -7,8 +7,9 @@ use palpate_bench::{
     BarOptions, Cases, DocumentOptions, Effort, FaultOptions, Figure, HardRow, LEFT_OUT,
     RecorderOptions, RelayOptions, Row, SoakOptions, SubscriberOptions, TrustRow, bars, census,
     contact, deformation, documents, faults, figures_table, haptics, hard_cases, hard_table,
-    modeling, pareto, parts, picture, plasticine_picture, plasticine_table, record_until_killed,
-    recording, relay, soak, subscribers, surface, table, trust, trust_picture, trust_table, viewer,
+    modeling, pareto, parts, parts_picture, picture, plasticine_picture, plasticine_table,
+    record_until_killed, recording, relay, soak, subscribers, surface, table, trust, trust_picture,
+    trust_table, viewer,
 };
 use std::io::Write;
 use std::process::ExitCode;
@@ -89,7 +90,8 @@ enum Suite {
     Soak(SoakOptions),
     /// Merge, isolate, pipe and branch: times, deviations, ratios, gaps and angles.
     Modeling(Options),
-    /// Closest points of parts from STEP files, their areas and volumes, against references.
+    /// Closest points of parts from STEP files, their areas and volumes, against references; and a ball slid over
+    /// them in the loop.
     ///
     /// OpenCASCADE runs too when PALPATE_PYTHON names a Python that can import OCP.
     Parts {
@@ -98,6 +100,9 @@ enum Suite {
         /// Instead: a line for each STEP file of this folder, with its faces, what was left out, its gap and the time.
         #[arg(long)]
         census: Option<std::path::PathBuf>,
+        /// Write a plot of forces over a fillet, a sharp edge and a thread to this SVG file.
+        #[arg(long)]
+        svg: Option<std::path::PathBuf>,
     },
     /// Contact queries of points, balls, planes, solids, meshes and surfaces with a body.
     Contact {
@@ -209,7 +214,10 @@ fn run(args: &Cli) -> anyhow::Result<ExitCode> {
             census: Some(folder),
             ..
         } => print!("{}", census(folder)?),
-        Suite::Parts { options, .. } => drop(options.rows(parts)?),
+        Suite::Parts { options, svg, .. } => {
+            options.rows(parts)?;
+            write(svg, parts_picture)?;
+        }
         Suite::Contact { options, svg } => {
             let (rows, ()) = options.rows(contact)?;
             write(svg, || picture(&rows))?;

@@ -1,5 +1,11 @@
 //! The parts suite: closest points of STEP parts, with their error and their time, beside OpenCASCADE where
-//! `PALPATE_PYTHON` names a Python that can import `OCP`.
+//! `PALPATE_PYTHON` names a Python that can import `OCP`; and a ball slid over them in the loop.
+
+mod picture;
+mod slide;
+mod world;
+
+pub use self::picture::parts_picture;
 
 use super::measure::{Times, clocked, time};
 use super::{Cases, Effort, Row};
@@ -39,7 +45,10 @@ struct Peer {
     distances: Vec<f64>,
 }
 
-/// Runs cases `closest/<part>`. Each row is handed out as soon as it is measured.
+/// Of `scenes/bracket.toml`.
+const BRACKET: &str = include_str!("../../../scenes/bracket.step");
+
+/// Runs cases `closest/<part>` and `slide/<part>`. Each row is handed out as soon as it is measured.
 pub fn parts(effort: Effort, cases: Cases<'_>, out: &mut dyn FnMut(Row)) {
     let all = inputs![
         "assembly",
@@ -55,10 +64,18 @@ pub fn parts(effort: Effort, cases: Cases<'_>, out: &mut dyn FnMut(Row)) {
         "thread",
         "turned"
     ];
-    for input in all {
+    for input in &all {
         let case = format!("closest/{}", input.name);
         if cases.has(&case) {
-            one(effort, &input, &case, out);
+            one(effort, input, &case, out);
+        }
+    }
+    let touched = all.iter().map(|input| (input.name, input.step));
+    for (name, step) in touched.chain([("bracket", BRACKET)]) {
+        let case = format!("slide/{name}");
+        if cases.has(&case) {
+            let row = Row::new("parts", case, "palpate");
+            out(slide::slide(effort, step, row));
         }
     }
 }

@@ -3,13 +3,14 @@
 use crate::deformation::{HardRow, deformation, hard_cases};
 use crate::figure::Figure;
 use crate::haptics::haptics;
-use crate::{Cases, Effort, Row, contact, modeling, recording, surface, viewer};
+use crate::{Cases, Effort, Row, contact, modeling, parts, recording, surface, viewer};
 
 /// Where something is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Suite {
     Surface,
     Contact,
+    Parts,
     Deformation,
     Hard,
     Modeling,
@@ -31,9 +32,10 @@ pub(crate) struct Measured {
 
 impl Suite {
     /// Those that take little time first.
-    pub(crate) const ALL: [Self; 9] = [
+    pub(crate) const ALL: [Self; 10] = [
         Self::Surface,
         Self::Contact,
+        Self::Parts,
         Self::Modeling,
         Self::Deformation,
         Self::Haptics,
@@ -47,6 +49,7 @@ impl Suite {
         match self {
             Self::Surface => "surface",
             Self::Contact => "contact",
+            Self::Parts => "parts",
             Self::Deformation | Self::Hard => "deformation",
             Self::Modeling => "modeling",
             Self::Haptics => "haptics",
@@ -63,6 +66,7 @@ impl Suite {
         match self {
             Self::Surface => surface(effort, cases, &mut |row| all.rows.push(row)),
             Self::Contact => contact(effort, cases, &mut |row| all.rows.push(row)),
+            Self::Parts => parts(effort, cases, &mut |row| all.rows.push(row)),
             Self::Modeling => modeling(effort, cases, &mut |row| all.rows.push(row)),
             Self::Deformation => drop(deformation(effort, cases, &mut |row| all.rows.push(row))),
             Self::Hard => hard_cases(cases, &mut |row| all.hard.push(row)),

@@ -1,7 +1,8 @@
 //! All promises.
 
 use super::Field::{
-    ApartFrom, Error, ErrorOver, Excess, Order, Own, PeersTakeTimesLonger, TimesLonger, Wrong,
+    ApartFrom, Error, ErrorOver, Excess, Order, Own, PeersTakeTimesLonger, Slowest, TimesLonger,
+    Wrong,
 };
 use super::{Bar, Field, Promise, Suite};
 use palpate::scenario::NAMES;
@@ -99,6 +100,11 @@ const ROWS: &[Promise] = &[
     long(least(Suite::Contact, "plane/8x8", "exact", PeersTakeTimesLonger, 45.0)),
     long(least(Suite::Contact, "surface/8x8", "exact", PeersTakeTimesLonger, 7.0)),
     long(least(Suite::Contact, "surface/20x20", "exact", PeersTakeTimesLonger, 2.3)),
+
+    // A ball slid over parts has contact as long as it is pressed, and its force no steps that its way does not explain.
+    most(Suite::Parts, "slide/*", OURS, Wrong, 0.0),
+    most(Suite::Parts, "slide/*", OURS, Error, 3.0),
+    long(most(Suite::Parts, "slide/*", OURS, Slowest, 150.0)),
 
     // Merged patches: at most half of the deviation of the source's method.
     most(Suite::Modeling, "merge/case*", "constrained C2 planned", ErrorOver("seed C2 planned"), 0.5),

@@ -229,6 +229,26 @@ pub(super) fn tables() -> Vec<Table> {
                 ],
             )
         },
+        Table {
+            of_simulation: true,
+            measure: Box::new(slides),
+            ..table(
+                "slides",
+                "docs/contact.md",
+                &["crates/bench/src/parts", "src/chart.rs", GEOMETRY],
+            )
+        },
+        Table {
+            of_simulation: true,
+            ..rows_at(
+                Effort::Quick,
+                "parts",
+                "docs/figures.md",
+                &[Rows(Suite::Parts, &[("slide/*", "*")])],
+                &[Median, P99, Error, Wrong],
+                &["crates/bench/src/parts/slide.rs", GEOMETRY],
+            )
+        },
         rows(
             "contact and geometry",
             "docs/comparison.md",
@@ -665,6 +685,18 @@ fn trees() -> anyhow::Result<String> {
         ]);
     }
     Ok(markdown(&lines))
+}
+
+/// Draws the forces of slides into a file of their own, and names it.
+fn slides() -> anyhow::Result<String> {
+    let path = super::root().join("docs/parts.svg");
+    std::fs::write(&path, crate::parts_picture())
+        .with_context(|| format!("cannot write {}", path.display()))?;
+    Ok(
+        "<img src=\"parts.svg\" alt=\"Force over the way of a ball of 3 mm on 500 N/m, pressed 1 mm: over a fillet and a \
+        sharp edge it falls smoothly to zero, along a screw thread it rises and falls with the pitch\" width=\"640\">"
+            .to_owned(),
+    )
 }
 
 /// What a command of `palpate` prints.
