@@ -217,8 +217,8 @@ fn a_seam_lies_in_its_face_whatever_the_sense_of_its_loops() {
     for (from, to) in [
         ("", ""),
         (
-            "#231 = FACE_BOUND('',#232,.F.)",
-            "#231 = FACE_BOUND('',#232,.T.)",
+            "#90=FACE_BOUND('',#89,.F.)",
+            "#90=FACE_BOUND('',#89,.T.)",
         ),
     ] {
         let edited = text.replace(from, to);

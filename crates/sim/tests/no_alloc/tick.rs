@@ -39,6 +39,50 @@ fn a_tick_on_a_rigid_body_allocates_nothing() {
     assert_eq!(touch(&mut World::new(&text)), 0);
 }
 
+/// Over planes, fillets and edges, and over the B-splines of a thread.
+#[test]
+fn a_tick_on_a_part_allocates_nothing() {
+    for (name, middle, reach_m) in [
+        ("filleted_box", [0.03, 0.02, 0.01], 0.03),
+        ("thread", [0.0, 0.0, 0.015], 0.012),
+    ] {
+        let path = format!(
+            "{}/../geometry/tests/data/parts/{name}.step",
+            env!("CARGO_MANIFEST_DIR")
+        );
+        let step = std::fs::read_to_string(&path).expect("the part");
+        let mut world = World::new(&format!(
+            "[[body]]\nid = \"part\"\nsurface = {{ inline = {{ step = '''\n{step}''' }} }}\n\
+             [[tool]]\nid = \"ball\"\nshape = {{ sphere = {{ radius_m = 0.003 }} }}\n\
+             pose = {{ position = [0.2, 0.0, 0.0] }}\n\
+             coupling = {{ stiffness_n_m = 500.0, damping_n_s_m = 0.0 }}\n\
+             [[contact]]\npair = [\"ball\", \"part\"]\nfriction = {{ mu = 0.3 }}\n"
+        ));
+        let at = |k: u32| {
+            let t = f64::from(k) * 1e-3;
+            let (out, up) = (t.cos() * (0.3 * t).cos(), (0.3 * t).sin());
+            let way = [out, t.sin() * (0.3 * t).cos(), up].map(|x| x * (reach_m + 0.004 * (5.0 * t).sin()));
+            [0, 1, 2].map(|c| middle[c] + way[c])
+        };
+        for k in 0..200 {
+            let far = at(0).map(|x| x * (1.0 + 0.01 * f64::from(200 - k)));
+            world.at_in_place(far);
+        }
+        let mut touched = 0;
+        let count = allocations(|| {
+            for k in 0..4_000 {
+                let out = world.at_in_place(at(k));
+                touched += u32::from(out.tools[0].contact.is_some());
+            }
+            for _ in 0..100 {
+                world.silent_in_place();
+            }
+        });
+        assert!(touched > 300, "{name}: only {touched} ticks in touch");
+        assert_eq!(count, 0, "{name}");
+    }
+}
+
 #[test]
 fn a_tick_on_a_lattice_allocates_nothing() {
     let text = teardrop(20e3, "[16, 17]").replace("stiffness_n_m = inf", "stiffness_n_m = 800.0");
