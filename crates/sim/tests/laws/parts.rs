@@ -296,11 +296,8 @@ fn a_free_part_lies_still_on_a_plane() {
         (weight_n / (mass_kg * 9.81) - 1.0).abs() < 1e-3,
         "{weight_n} N"
     );
-    assert!(
-        after
-            .iter()
-            .map(|p| p.z.abs())
-            .fold(f64::INFINITY, f64::min)
-            < 1e-4
-    );
+    // Its lower corners are level.
+    let mut heights_m: Vec<f64> = after.iter().map(|p| p.z).collect();
+    heights_m.sort_by(f64::total_cmp);
+    assert!(heights_m[3] - heights_m[0] < 1e-6, "{heights_m:?}");
 }
