@@ -216,10 +216,7 @@ fn a_seam_lies_in_its_face_whatever_the_sense_of_its_loops() {
         - 2.0 * rim;
     for (from, to) in [
         ("", ""),
-        (
-            "#90=FACE_BOUND('',#89,.F.)",
-            "#90=FACE_BOUND('',#89,.T.)",
-        ),
+        ("#90=FACE_BOUND('',#89,.F.)", "#90=FACE_BOUND('',#89,.T.)"),
     ] {
         let edited = text.replace(from, to);
         let read = read_part(edited.as_bytes(), &PartPick::default()).expect("a part");

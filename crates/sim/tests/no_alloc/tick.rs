@@ -61,7 +61,8 @@ fn a_tick_on_a_part_allocates_nothing() {
         let at = |k: u32| {
             let t = f64::from(k) * 1e-3;
             let (out, up) = (t.cos() * (0.3 * t).cos(), (0.3 * t).sin());
-            let way = [out, t.sin() * (0.3 * t).cos(), up].map(|x| x * (reach_m + 0.004 * (5.0 * t).sin()));
+            let way = [out, t.sin() * (0.3 * t).cos(), up]
+                .map(|x| x * (reach_m + 0.004 * (5.0 * t).sin()));
             [0, 1, 2].map(|c| middle[c] + way[c])
         };
         for k in 0..200 {
