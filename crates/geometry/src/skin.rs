@@ -58,7 +58,7 @@ pub fn motion_of_corners(from: &[Point3], to: &[Point3]) -> Option<Pose> {
             return None;
         };
         let mut edges = [x - o, y - o, z - o];
-        // The two longest are no zero, unless the part is a line.
+        // The shortest edge of a flat part has no length: its direction comes from the other two.
         let shortest = edges.map(|edge| edge.norm()).iter().enumerate().fold(
             (0, f64::INFINITY),
             |least, (k, &length)| {

@@ -3,7 +3,7 @@
 //! What is kept only spares searches: an answer is the same whatever is kept.
 
 use super::bezier;
-use super::closest::{At, Best, Support, wire};
+use super::foot::{At, Best, Support, wire};
 use super::part::Part;
 use super::tree::Tree;
 use crate::math::Point3;
@@ -36,7 +36,7 @@ pub(super) struct Known {
 /// What a face has that is nearer than a ceiling.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Verdict {
-    /// Nothing.
+    /// No place.
     Nothing,
     /// Only the place that was known before.
     Same,

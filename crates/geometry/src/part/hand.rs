@@ -1,8 +1,24 @@
-//! Boundaries by hand, for tests.
+//! Boundaries by hand, and names of files, for tests.
 
 use super::*;
 use crate::math::{Point3, Vector3};
 use std::f64::consts::PI;
+
+/// STEP files in `tests/data/parts`.
+pub(crate) const FILES: [&str; 12] = [
+    "assembly",
+    "cone_tip",
+    "filleted_box",
+    "loft",
+    "pipe",
+    "saddle",
+    "seam_cut",
+    "shelled_box",
+    "sphere_minus_boxes",
+    "text_cut",
+    "thread",
+    "turned",
+];
 
 pub(crate) fn axes(origin: [f64; 3], z: [f64; 3], x: [f64; 3]) -> Axes {
     Axes::new(

@@ -12,10 +12,11 @@
 //! with the foot beside it. The closest point of the part is always among the minima of the distance.
 
 use super::carrier::Carrier;
-use super::closest::{At, Best, PartFoot, PartSolver, Support, answer};
+use super::closest::PartSolver;
 use super::curve::OnCurve;
-use super::part::{Edge, Face, Part, Side};
-use super::pcurve::solved;
+use super::fan::{Fan, beside, fans, frame, ruling, same_places};
+use super::foot::{At, Best, PartFoot, Support, answer};
+use super::part::Part;
 use crate::math::{Point3, Vector3};
 use crate::surface::{ClosestPoint, Summit};
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -31,8 +32,7 @@ const STEP: f64 = 1e-4;
 /// Of the size: places nearer to each other than this, with normals as near as [`SAME_NORMAL`], are one.
 const SAME: f64 = 1e-9;
 const SAME_NORMAL: f64 = 1e-6;
-/// Directions around an apex, and points of a round edge that lies on a plane.
-const AROUND: usize = 16;
+/// Points of a round edge that lies on a plane.
 const ROUND: usize = 8;
 /// What is straight and tilted against a plane by less, rad, lies on it with all its corners.
 const RESTING: f64 = 0.02;
@@ -53,45 +53,6 @@ pub(crate) enum Mark {
     Least,
     /// One of eight fixed points of what is round and lies on a plane.
     Round,
-}
-
-/// An end of an edge at a vertex.
-#[derive(Clone, Debug)]
-struct Tip {
-    /// Unit vector along the edge, away from the vertex.
-    tangent: Vector3,
-    straight: bool,
-}
-
-/// A face at a vertex.
-#[derive(Clone, Debug)]
-struct Corner {
-    face: u32,
-    uv: [f64; 2],
-    /// Of the face, unit.
-    normal: Vector3,
-    /// Along which the face is straight: of cylinders and cones.
-    ruling: Option<Vector3>,
-    /// Conormals of the edges that leave the vertex and that come to it.
-    inward: [Vector3; 2],
-    /// Wider than half a turn.
-    wide: bool,
-    /// It has no tangent plane: an apex.
-    sharp: bool,
-}
-
-/// What meets at a vertex, or at several at one place.
-#[derive(Clone, Debug, Default)]
-struct Fan {
-    tips: Vec<Tip>,
-    corners: Vec<Corner>,
-    /// From the vertex to places close by on what meets there, m.
-    beside: Vec<Vector3>,
-    /// Axis into a cone, sine and cosine to its lines: where no edge ends.
-    apex: Option<(Vector3, [f64; 2])>,
-    normal: Vector3,
-    gap_m: f64,
-    rim: bool,
 }
 
 /// A minimum before it is merged.
@@ -290,7 +251,7 @@ impl PartMinima {
         }
     }
 
-    /// Holds a minimum in order of value; the last leaves where there is no room.
+    /// Keeps a minimum, in order of value; when the list is full, the greatest is dropped and the search is not complete.
     fn hold(&mut self, held: Held) {
         let rank = |h: &Held| match h.support {
             Support::Face(k) => (0, k),
@@ -364,7 +325,8 @@ impl PartMinima {
         2.0 * gap_m + PAD * self.size_m
     }
 
-    /// The same as what the way may have along a unit vector.
+    /// [`PartMinima::pad_m`] as the component that the way to the query may have along a unit vector: m, or for a plane the
+    /// sine of an angle.
     fn slack(&self, aim: &Aim, gap_m: f64) -> f64 {
         match aim {
             Aim::To(_) => self.pad_m(gap_m),
@@ -429,7 +391,7 @@ impl Held {
     }
 }
 
-// Faces.
+/// Feet on faces.
 impl PartMinima {
     fn add_face(&mut self, part: &Part, solver: &mut PartSolver, aim: &Aim, k: u32, within_m: f64) {
         let face = &part.faces[k as usize];
@@ -508,7 +470,7 @@ impl PartMinima {
     }
 }
 
-// Edges.
+/// Stationary places of edges, and what the trees of wires hold.
 impl PartMinima {
     fn add_wire(&mut self, part: &Part, aim: &Aim, item: u32, within_m: f64) {
         let Some(edge) = part.edges.get(item as usize) else {
@@ -612,7 +574,7 @@ impl PartMinima {
     }
 }
 
-// Vertices.
+/// Vertices and apexes.
 impl PartMinima {
     fn add_vertex(&mut self, part: &Part, aim: &Aim, v: u32, within_m: f64) {
         let v = self.first[v as usize];
@@ -701,204 +663,5 @@ impl PartMinima {
             Some(corner) => (corner.face, corner.uv),
             None => part.beside_vertex(v),
         }
-    }
-}
-
-/// Where a place of an edge is on a face, the face's normal there and its conormal.
-pub(super) fn frame(
-    part: &Part,
-    edge: &Edge,
-    side: &Side,
-    at: (usize, f64),
-    tangent: &Vector3,
-) -> Option<([f64; 2], Vector3, Vector3)> {
-    let face = &part.faces[side.face as usize];
-    let uv = face.trim.chart.confined(edge.on(side, &part.faces, at)?);
-    let normal = face.normal(uv);
-    let left = normal.cross(tangent).try_normalize(1e-9)?;
-    Some((uv, normal, if side.forward { left } else { -left }))
-}
-
-/// Along which a cylinder or a cone is straight.
-fn ruling(face: &Face, [u, _]: [f64; 2]) -> Option<Vector3> {
-    match &face.carrier {
-        Carrier::Cylinder { axes, .. } => Some(axes.z),
-        Carrier::Cone {
-            axes,
-            half_angle_rad,
-        } => {
-            let ((sin_u, cos_u), (sin, cos)) = (libm::sincos(u), libm::sincos(*half_angle_rad));
-            Some(axes.direction(&Vector3::new(sin * cos_u, sin * sin_u, cos)))
-        }
-        _ => None,
-    }
-}
-
-/// From a place of a face's carrier to the one that a step in its tangent plane leads to.
-fn beside(face: &Face, uv: [f64; 2], step: &Vector3) -> Vector3 {
-    let from = face.carrier.point(uv);
-    match &face.carrier {
-        Carrier::Spline(surface) => {
-            let frame = surface.frame(uv[0], uv[1]);
-            let [du, dv] = solved(&frame.du, &frame.dv, step);
-            let to = face.trim.chart.confined([uv[0] + du, uv[1] + dv]);
-            face.carrier.point(to) - from
-        }
-        carrier => (carrier.foot(&(from + step))).map_or(*step, |to| carrier.point(to) - from),
-    }
-}
-
-/// Of each vertex: the first one at its place.
-fn same_places(part: &Part, within_m: f64) -> Vec<u32> {
-    let at = |v: u32| part.vertices[v as usize].point;
-    let mut order: Vec<u32> = (0..part.vertices.len() as u32).collect();
-    order.sort_unstable_by(|&a, &b| at(a).x.total_cmp(&at(b).x).then(a.cmp(&b)));
-    let mut first: Vec<u32> = (0..part.vertices.len() as u32).collect();
-    let root = |first: &[u32], mut v: u32| {
-        while first[v as usize] != v {
-            v = first[v as usize];
-        }
-        v
-    };
-    for (k, &a) in order.iter().enumerate() {
-        let beside = order[k + 1..].iter();
-        for &b in beside.take_while(|&&b| at(b).x - at(a).x <= within_m) {
-            if (at(a) - at(b)).norm() <= within_m {
-                let (a, b) = (root(&first, a), root(&first, b));
-                first[a.max(b) as usize] = a.min(b);
-            }
-        }
-    }
-    // No vertex comes before the first at its place.
-    for v in 0..first.len() {
-        first[v] = first[first[v] as usize];
-    }
-    first
-}
-
-/// What meets at each vertex.
-fn fans(part: &Part, first: &[u32], step_m: f64) -> Vec<Fan> {
-    let mut fans = vec![Fan::default(); part.vertices.len()];
-    for (vertex, &v) in part.vertices.iter().zip(first) {
-        let fan = &mut fans[v as usize];
-        fan.normal += vertex.normal;
-        fan.gap_m = fan.gap_m.max(vertex.gap_m);
-    }
-    // Uses of faces at each vertex: face, leaves it (not: comes to it), along the edge away from the vertex, place.
-    let mut uses: Vec<(u32, u32, bool, Vector3, [f64; 2])> = Vec::new();
-    for edge in part.edges.iter().filter(|edge| !edge.sides.is_empty()) {
-        for last in [false, true] {
-            let v = first[edge.ends[usize::from(last)] as usize];
-            let fan = &mut fans[v as usize];
-            let along = edge.curve.tangent_at_end(last);
-            let tangent = if last { -along } else { along };
-            fan.tips.push(Tip {
-                tangent,
-                straight: edge.curve.is_line(),
-            });
-            fan.rim |= edge.sides.len() == 1;
-            fan.gap_m = fan.gap_m.max(edge.gap_m);
-            let end = match last {
-                true => (edge.curve.segments() - 1, 1.0),
-                false => (0, 0.0),
-            };
-            let length_m = edge.curve.slope(end).norm().max(f64::MIN_POSITIVE);
-            let t = (step_m / length_m).min(0.25);
-            let near = (end.0, if last { 1.0 - t } else { t });
-            fan.beside
-                .push(edge.curve.point(near) - edge.curve.point(end));
-            for side in &edge.sides {
-                if let Some(uv) = edge.on(side, &part.faces, end) {
-                    uses.push((v, side.face, side.forward != last, tangent, uv));
-                }
-            }
-        }
-    }
-    uses.sort_by_key(|one| (one.0, one.1));
-    for group in uses.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
-        for (v, face, _, out, uv) in group.iter().filter(|one| one.2) {
-            let owner = &part.faces[*face as usize];
-            let uv = owner.trim.chart.confined(*uv);
-            let normal = owner.normal(uv);
-            let turn = |back: &Vector3| {
-                let angle = libm::atan2(normal.dot(&out.cross(back)), out.dot(back));
-                if angle <= 0.0 { angle + TAU } else { angle }
-            };
-            let backs = group.iter().filter(|one| !one.2).map(|one| one.3);
-            let Some(back) = backs.min_by(|a, b| turn(a).total_cmp(&turn(b))) else {
-                continue;
-            };
-            let angle = turn(&back);
-            let apex = owner.carrier.apexes().into_iter();
-            let point = part.vertices[*v as usize].point;
-            let apex = (apex.map(|(place, _, v)| ((place - point).norm(), v)))
-                .find(|(away_m, _)| *away_m <= 1e-2 * step_m);
-            let fan = &mut fans[*v as usize];
-            if let Some((_, height)) = apex {
-                fan.around(owner, height, step_m);
-            } else {
-                let (sin, cos) = libm::sincos(0.5 * angle);
-                let middle = out * cos + normal.cross(out) * sin;
-                fan.beside.push(beside(owner, uv, &(middle * step_m)));
-            }
-            fan.corners.push(Corner {
-                face: *face,
-                uv,
-                normal,
-                ruling: ruling(owner, uv),
-                inward: [normal.cross(out), back.cross(&normal)],
-                wide: angle > std::f64::consts::PI,
-                sharp: apex.is_some(),
-            });
-        }
-    }
-    for &v in &part.lone {
-        let vertex = &part.vertices[v as usize];
-        let owner = vertex.face.map(|face| &part.faces[face as usize]);
-        fans[v as usize].apex = owner.and_then(|face| lines_of(face, &vertex.point));
-    }
-    for fan in &mut fans {
-        fan.normal = (fan.normal.try_normalize(f64::MIN_POSITIVE)).unwrap_or_else(Vector3::z);
-    }
-    fans
-}
-
-impl Fan {
-    /// Places of a face around the apex of its carrier.
-    fn around(&mut self, face: &Face, height: f64, step_m: f64) {
-        let apex = face.carrier.point([0.0, height]);
-        for k in 0..AROUND {
-            let u = TAU * (k as f64 + 0.5) / AROUND as f64;
-            let v = match &face.carrier {
-                Carrier::Torus { minor_m, .. } => height - (step_m / minor_m).copysign(height),
-                _ => height + step_m,
-            };
-            if face.trim.contains([u, v]) {
-                self.beside.push(face.carrier.point([u, v]) - apex);
-            }
-        }
-    }
-}
-
-/// The lines that lead away from the apex of a carrier: around which axis, and the sine and cosine of their angle to it.
-fn lines_of(face: &Face, apex: &Point3) -> Option<(Vector3, [f64; 2])> {
-    match &face.carrier {
-        Carrier::Cone {
-            axes,
-            half_angle_rad,
-        } => {
-            let (sin, cos) = libm::sincos(*half_angle_rad);
-            Some((axes.z, [sin, cos]))
-        }
-        Carrier::Torus {
-            axes,
-            major_m,
-            minor_m,
-        } => {
-            let (sin, cos) = libm::sincos(libm::acos(-major_m / minor_m));
-            let up = axes.z.dot(&(apex - axes.origin));
-            Some((if up < 0.0 { -axes.z } else { axes.z }, [sin, -cos]))
-        }
-        _ => None,
     }
 }

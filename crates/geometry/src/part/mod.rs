@@ -7,12 +7,17 @@
 mod basins;
 mod bezier;
 mod brep;
+mod build;
 mod carrier;
 mod chart;
 mod closest;
 mod curve;
+mod fan;
+mod foot;
 mod measure;
 mod minima;
+mod near;
+mod orient;
 #[expect(clippy::module_inception)]
 mod part;
 pub(crate) mod pcurve;
@@ -27,8 +32,9 @@ mod warm;
 pub use brep::{Brep, BrepBound, BrepCurve, BrepEdge, BrepFace, BrepShell, OutOfRange, Placing};
 pub(crate) use carrier::is_unit;
 pub use carrier::{Axes, Carrier};
-pub use closest::{PartFoot, PartSolver, Support};
+pub use closest::PartSolver;
 pub use curve::CurveProblem;
+pub use foot::{PartFoot, Support};
 pub use measure::{PartMeasure, PartMoments};
 pub(crate) use minima::{Mark, PartMinima};
 pub use part::{FaceInfo, Part, PartError};

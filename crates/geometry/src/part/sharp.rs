@@ -1,8 +1,8 @@
 //! Edges and tips that stand out: with which a part touches where it has no normal.
 
 use super::carrier::Carrier;
-use super::closest::Support;
-use super::minima::frame;
+use super::fan::frame;
+use super::foot::Support;
 use super::part::Part;
 use crate::math::{Point3, Vector3};
 

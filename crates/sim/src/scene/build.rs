@@ -35,7 +35,10 @@ impl Scene {
     /// ```
     pub fn build(spec: &SceneSpec, directory: &Path) -> Result<Self, SceneError> {
         let door = Door::new(directory);
-        let built = scene(spec, &door.top());
+        let mut built = scene(spec, &door.top());
+        if let Some(scene) = &mut built {
+            scene.notes = door.notes();
+        }
         door.close(built)
     }
 }
@@ -96,6 +99,7 @@ fn scene(spec: &SceneSpec, top: &At<'_>) -> Option<Scene> {
         tools,
         pairs,
         frame,
+        notes: Vec::new(),
         warnings: Vec::new(),
     })
 }

@@ -110,6 +110,8 @@ pub(super) struct Door<'d> {
     /// Where relative paths of the scene start.
     directory: &'d Path,
     problems: RefCell<Vec<Problem>>,
+    /// Path and text of what is taken otherwise than a file says.
+    notes: RefCell<Vec<(String, String)>>,
 }
 
 impl<'d> Door<'d> {
@@ -117,6 +119,7 @@ impl<'d> Door<'d> {
         Self {
             directory,
             problems: RefCell::default(),
+            notes: RefCell::default(),
         }
     }
 
@@ -126,6 +129,11 @@ impl<'d> Door<'d> {
             door: self,
             path: String::new(),
         }
+    }
+
+    /// What was noted so far: path and text.
+    pub fn notes(&self) -> Vec<(String, String)> {
+        self.notes.borrow().clone()
     }
 
     /// How many problems there are so far.
@@ -177,6 +185,12 @@ impl<'d> At<'d> {
     /// Where relative paths of the scene start.
     pub fn directory(&self) -> &'d Path {
         self.door.directory
+    }
+
+    /// Notes what is taken otherwise than a file says; the scene warns of it.
+    pub fn note(&self, text: impl Display) {
+        let note = (self.path.clone(), text.to_string());
+        self.door.notes.borrow_mut().push(note);
     }
 
     /// How many problems the scene has so far.

@@ -61,6 +61,8 @@ pub struct Scene {
     pub(crate) pairs: Vec<Pair>,
     /// The tool that carries the bodies.
     pub(crate) frame: Option<FrameOf>,
+    /// Path and text of what was taken otherwise than its files say.
+    notes: Vec<(String, String)>,
     warnings: Vec<Finding>,
 }
 

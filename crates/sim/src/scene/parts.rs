@@ -37,8 +37,6 @@ pub(crate) struct Body {
     pub size_m: f64,
     /// Open sheets can be touched from both sides.
     pub two_sided: bool,
-    /// What was taken otherwise than its file says.
-    pub notes: Vec<String>,
     pub model: BodyModel,
     /// What moves it, when it is rigid and not fixed.
     pub mover: Option<Mover>,

@@ -38,6 +38,8 @@ pub struct BodyPlan {
     pub net: [usize; 2],
     /// Net as simulated and published.
     pub simulated_net: [usize; 2],
+    /// Of a part, which has no net.
+    pub faces: Option<usize>,
     /// Of a body that deforms.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub deformable: Option<DeformingPlan>,
@@ -398,6 +400,7 @@ fn body_plan(body: &super::Body, dt_s: f64) -> BodyPlan {
         model,
         net: body.original_net,
         simulated_net,
+        faces: (body.skin.part()).map(|placed| placed.part().faces().len()),
         deformable,
         free: body.free().map(|free| FreePlan {
             mass_kg: free.mass.mass_kg,
@@ -421,12 +424,12 @@ impl fmt::Display for Plan {
             self.dt_s * 1e3
         )?;
         for body in &self.bodies {
+            write!(f, "  body {}: {}, ", body.id, body.model)?;
             let ([r, s], [a, b]) = (body.net, body.simulated_net);
-            writeln!(
-                f,
-                "  body {}: {}, net {r} x {s}, simulated {a} x {b}",
-                body.id, body.model
-            )?;
+            match body.faces {
+                Some(faces) => writeln!(f, "a part of {faces} faces")?,
+                None => writeln!(f, "net {r} x {s}, simulated {a} x {b}")?,
+            }
             if let Some(free) = &body.free {
                 let ([x, y, z], [a, b, c]) = (free.centre_m, free.moments_kg_m2);
                 writeln!(

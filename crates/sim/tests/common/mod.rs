@@ -228,3 +228,10 @@ pub fn many_tools(tools: impl IntoIterator<Item = usize>, more: &str) -> String 
     }
     text
 }
+
+/// The text of a STEP file of parts, by name.
+pub fn step_file(name: &str) -> String {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../geometry/tests/data/parts");
+    let path = format!("{folder}/{name}.step");
+    std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path}: {e}"))
+}

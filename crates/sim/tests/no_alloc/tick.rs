@@ -1,6 +1,6 @@
 //! The tick allocates nothing once it runs.
 
-use crate::common::{World, many_tools, place_of_many, teardrop};
+use crate::common::{World, many_tools, place_of_many, step_file, teardrop};
 use crate::counting::allocations;
 use palpate_sim::solve::rows::Holder;
 use palpate_sim::tick::record::Command;
@@ -46,11 +46,7 @@ fn a_tick_on_a_part_allocates_nothing() {
         ("filleted_box", [0.03, 0.02, 0.01], 0.03),
         ("thread", [0.0, 0.0, 0.015], 0.012),
     ] {
-        let path = format!(
-            "{}/../geometry/tests/data/parts/{name}.step",
-            env!("CARGO_MANIFEST_DIR")
-        );
-        let step = std::fs::read_to_string(&path).expect("the part");
+        let step = step_file(name);
         let mut world = World::new(&format!(
             "[[body]]\nid = \"part\"\nsurface = {{ inline = {{ step = '''\n{step}''' }} }}\n\
              [[tool]]\nid = \"ball\"\nshape = {{ sphere = {{ radius_m = 0.003 }} }}\n\

@@ -45,7 +45,7 @@ const OTHER: (bool, usize, usize) = (false, 1, 0);
 /// Round the sheet in its parameters, and round its first half.
 const ROUND: &str = "106,1,5,0.,0.,0.,1.,0.,1.,1.,0.,1.,0.,0.;";
 const HALF: &str = "106,1,5,0.,0.,0.,.5,0.,.5,1.,0.,1.,0.,0.;";
-/// The same two loops as curves in space.
+/// [`ROUND`] and [`HALF`] as curves in space.
 const ROUND_SPACE: &str = "106,2,5,0.,0.,7.,1.,0.,7.,1.,1.,7.,0.,1.,7.,0.,0.,7.;";
 const HALF_SPACE: &str = "106,2,5,0.,0.,7.,.5,0.,7.,.5,1.,7.,0.,1.,7.,0.,0.,7.;";
 

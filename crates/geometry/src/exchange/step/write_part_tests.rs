@@ -4,25 +4,10 @@ use super::*;
 use crate::basis::KnotVector;
 use crate::exchange::LengthUnit;
 use crate::math::{Matrix3, Point3, Random, Vector3};
-use crate::part::hand::{self, Maker, axes};
+use crate::part::hand::{self, FILES, Maker, axes};
 use crate::part::{Brep, BrepBound, BrepCurve, BrepShell, Carrier, Part, PartSolver, Placing};
 use crate::surface::file::Unit;
 use crate::surface::{Curve, builtin};
-
-const NAMES: [&str; 12] = [
-    "assembly",
-    "cone_tip",
-    "filleted_box",
-    "loft",
-    "pipe",
-    "saddle",
-    "seam_cut",
-    "shelled_box",
-    "sphere_minus_boxes",
-    "text_cut",
-    "thread",
-    "turned",
-];
 
 /// Of the size.
 const SAME: f64 = 1e-12;
@@ -97,7 +82,7 @@ fn millimetres() -> LengthUnit {
 
 #[test]
 fn parts_of_files_are_the_same_after_writing() {
-    for name in NAMES {
+    for name in FILES {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/parts");
         let bytes = std::fs::read(path.join(format!("{name}.step"))).unwrap();
         let imported = read(&bytes);

@@ -1,26 +1,11 @@
 //! Warm answers against cold ones along paths, and descent that stays on its branch.
 
-use super::super::hand::{axes, bend, cone, dome, drilled, whole};
+use super::super::hand::{FILES, axes, bend, cone, dome, drilled, whole};
 use super::*;
 use crate::exchange::step::{PartPick, read_part};
 use crate::math::{Random, Vector3};
 use crate::part::{Brep, PartMinima, Placing};
 use std::time::Instant;
-
-const FILES: [&str; 12] = [
-    "assembly",
-    "cone_tip",
-    "filleted_box",
-    "loft",
-    "pipe",
-    "saddle",
-    "seam_cut",
-    "shelled_box",
-    "sphere_minus_boxes",
-    "text_cut",
-    "thread",
-    "turned",
-];
 
 fn by_hand(random: &mut Random) -> Vec<(&'static str, Part)> {
     let frame = axes([0.01, 0.02, 0.03], [1.0, 2.0, 3.0], [1.0, 0.0, 0.0]);

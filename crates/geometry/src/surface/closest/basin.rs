@@ -194,7 +194,7 @@ impl ClosestSolver {
             .then(|| self.answer(surface, query, &found))
     }
 
-    /// The lowest place of a basin's box; `None` where descent does not arrive, or there is no box.
+    /// The place of a basin's box that is nearest to the query; `None` if descent does not arrive there, or the basin has no box.
     pub(crate) fn lowest_of(
         &mut self,
         surface: &Surface,

@@ -37,18 +37,19 @@ pub(super) fn look(scene: &Scene, found: &mut Found) {
 
 /// What was set right in surfaces as they were read, and where they are open by little.
 fn loaded_surfaces(scene: &Scene, found: &mut Found) {
+    for (path, note) in &scene.notes {
+        found.limit(path.clone(), note.clone());
+    }
     for (b, body) in scene.bodies.iter().enumerate() {
-        let mut say = |what: String| {
+        for slit in body.skin.surface().into_iter().flat_map(Surface::slits) {
             found.limit(
                 format!("body[{b}].surface"),
-                format!("body {}: {what}", body.id),
+                format!(
+                    "body {}: {slit}, and opens further where the body is pulled: make its control points equal, unless a \
+                     slit is meant",
+                    body.id
+                ),
             );
-        };
-        body.notes.iter().for_each(|note| say(note.clone()));
-        for slit in body.skin.surface().into_iter().flat_map(Surface::slits) {
-            say(format!(
-                "{slit}, and opens further where the body is pulled: make its control points equal, unless a slit is meant"
-            ));
         }
     }
 }

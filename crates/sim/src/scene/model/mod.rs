@@ -101,6 +101,8 @@ pub(super) fn build(
     let Loaded { surface, merged } = match loaded? {
         Named::Surface(loaded) => loaded,
         Named::Part(part, notes) => {
+            let of_file = at.key("surface");
+            (notes.iter()).for_each(|note| of_file.note(format!("body {}: {note}", spec.id)));
             part::check(spec, at, &part)?;
             let skin = Skin::Part(PlacedPart::new(Arc::from(part), placement));
             let mover = match spec.free {
@@ -113,12 +115,14 @@ pub(super) fn build(
                 size_m: skin.size_m(),
                 two_sided: !skin.is_closed(),
                 skin,
-                notes,
                 model: BodyModel::Rigid,
                 mover: mover?,
             });
         }
     };
+    for merged in merged {
+        (at.key("surface")).note(format!("body {}: {merged}", spec.id));
+    }
     let original = surface.oriented_outward().placed(&placement);
     // What is one place moves together, so it starts equal bit for bit.
     let original = (at.key("pose").key("position").take(original)?).with_exact_seams();
@@ -154,7 +158,6 @@ pub(super) fn build(
         original_net,
         size_m,
         two_sided,
-        notes: merged.iter().map(ToString::to_string).collect(),
         model,
         mover: mover?,
     })

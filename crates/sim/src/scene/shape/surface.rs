@@ -14,9 +14,11 @@ impl Shape for SurfaceSpec {
     fn build(&self, at: &At<'_>) -> Option<ToolShape> {
         Some(match self.loaded(at)? {
             Named::Surface(loaded) => {
+                loaded.merged.iter().for_each(|merged| at.note(merged));
                 ToolShape::Surface(Box::new(SurfaceShape::new(loaded.surface)))
             }
-            Named::Part(part, _) => {
+            Named::Part(part, notes) => {
+                notes.iter().for_each(|note| at.note(note));
                 let tool = at.take(MeshTool::of_part(Arc::from(part)))?;
                 ToolShape::Mesh(Box::new(tool))
             }
