@@ -74,7 +74,7 @@ record teardrop-tap scenes/teardrop.toml 650ms ball:tap:0.006:touch:4
 record sheet-tap scenes/sheet.toml 1200ms pen:tap:0.005:ideal:5
 record vessel-tap scenes/vessel.toml 1200ms pen:tap:0.004:ideal:10
 record bracket-slide scenes/bracket.toml 2400ms ball:slide:0.003:ideal:3
-record bracket-tool-press scenes/bracket-tool.toml 1000ms bracket:press:0.012:ideal:3
+record bracket-tool-press scenes/bracket-tool.toml 1200ms bracket:press:0.012:ideal:3
 record four-hands scenes/four-hands.toml 1050ms tip:tap:0.004:touch:6 ring:press:0.004:ideal:7 ball:tap:0.005:ideal:8 plate:tap:0.004:ideal:9
 
 scenario spoon-grip spoon-grip "four grips" 700ms

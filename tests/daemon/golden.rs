@@ -118,7 +118,7 @@ fn golden_recordings_are_small_and_described() {
     let bytes: u64 = files
         .map(|file| file.unwrap().metadata().unwrap().len())
         .sum();
-    assert!(bytes <= 1_150_000, "{bytes} bytes");
+    assert!(bytes <= 1_100_000, "{bytes} bytes");
     let table = std::fs::read_to_string(directory().join("README.md")).unwrap();
     for path in golden() {
         let row = format!("| `{}` |", file_name(&path));
