@@ -34,6 +34,11 @@ impl PlacedPart {
         }
     }
 
+    /// In its own frame, to be kept.
+    pub fn shared(&self) -> Arc<Part> {
+        self.part.clone()
+    }
+
     /// In its own frame.
     pub fn part(&self) -> &Part {
         &self.part
@@ -42,6 +47,11 @@ impl PlacedPart {
     /// Of its frame in the world.
     pub fn pose(&self) -> &Pose {
         &self.pose
+    }
+
+    /// The middle of the box around it, in the world, m.
+    pub fn middle(&self) -> Point3 {
+        nalgebra::center(&self.corners[0], &self.corners[7])
     }
 
     /// Puts it elsewhere.

@@ -12,6 +12,7 @@ use palpate_geometry::contact::mesh::MeshSolver;
 use palpate_geometry::contact::spheres::{Solid, Spheres};
 use palpate_geometry::contact::{ContactSet, Reach};
 use palpate_geometry::math::{Point3, Vector3};
+use palpate_geometry::skin::{Skin, SkinSolver};
 use palpate_geometry::surface::{ClosestSolver, Surface, WarmFoot};
 
 impl Suite<'_> {
@@ -162,13 +163,14 @@ impl Suite<'_> {
             .step_by((n / 40).max(1))
             .map(|k| (k, oracle.greatest(surface, |p| -tools[k].signed_gap(p).0)))
             .collect();
-        let mut solver = ClosestSolver::new(surface);
-        let (mut exact, mut set) = (ImplicitSolver::new(surface, &mut solver), ContactSet::new());
+        let skin = Skin::from(surface.clone());
+        let mut solver = SkinSolver::new(&skin);
+        let (mut exact, mut set) = (ImplicitSolver::new(&skin), ContactSet::new());
         let result = self.measure(n, &known, |k| {
             let (time, ()) = clocked(|| {
                 solver.net_changed();
                 exact.contacts(
-                    surface,
+                    &skin,
                     &mut solver,
                     &tools[k].tool,
                     &tools[k].pose,
@@ -209,16 +211,17 @@ impl Suite<'_> {
                 )
             })
             .collect();
-        let mut solver = ClosestSolver::new(surface);
+        let skin = Skin::from(surface.clone());
+        let mut solver = SkinSolver::new(&skin);
         let (mut exact, mut set) = (
-            MeshSolver::new(surface, &mut solver, &tool_mesh.tool),
+            MeshSolver::new(&skin, &tool_mesh.tool),
             ContactSet::new(),
         );
         let result = self.measure(n, &known, |k| {
             let (time, ()) = clocked(|| {
                 solver.net_changed();
                 exact.contacts(
-                    surface,
+                    &skin,
                     &mut solver,
                     &tool_mesh.tool,
                     &poses[k],

@@ -7,11 +7,14 @@
 //!                    exact                     spheres            exact
 //! point, sphere      exact::ball               spheres            part::ball
 //! plane              exact::plane              spheres            part::plane
-//! implicit           implicit                  spheres            refused
-//! mesh               mesh                      spheres            refused
-//! surface, body      pair                      spheres on both    refused
+//! implicit           implicit                  spheres            implicit
+//! mesh               mesh                      spheres            mesh
+//! surface            pair                      spheres on both    mesh, the part's
+//! a body: surface    pair                      spheres on both    mesh, the part's
+//! a body: part       mesh, the part's          refused            mesh, the other part's
 //! the body itself    own                       refused            refused
 //! ```
+//! A part stands against surfaces and other parts as a solid: its triangles say where to look, and distances are its own.
 //! Surfaces in joined pieces have no `spheres`, nor have parts.
 
 use super::exact::{self, ExactScratch};
@@ -20,12 +23,13 @@ use super::implicit::{ImplicitSolver, ImplicitTool};
 use super::mesh::{MeshSolver, MeshTool};
 use super::own::SelfSolver;
 use super::pair::{PairSide, PairSolver};
-use super::part::{self, PartScratch, PartSide};
+use super::part::{self, PartScratch, PartSide, PartSolid};
 use super::spheres::{Counters, Solid, Spheres, SpheresPair};
 use super::{Contact, ContactSet, Reach, ToolShape};
 use crate::math::{Point3, Pose, Vector3};
 use crate::skin::{Skin, SkinSolver};
 use crate::surface::{ClosestPoint, ClosestSolver, Surface};
+use std::sync::Arc;
 
 /// How the contacts of a pair are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,13 +50,28 @@ impl Method {
     }
 }
 
+/// A body as pairs are made of it.
+#[derive(Clone, Copy, Debug)]
+pub struct BodyShape<'a> {
+    /// At rest.
+    pub skin: &'a Skin,
+    /// What a closed part is to surfaces and other parts.
+    pub solid: Option<&'a Arc<MeshTool>>,
+}
+
+impl<'a> From<&'a Skin> for BodyShape<'a> {
+    fn from(skin: &'a Skin) -> Self {
+        Self { skin, solid: None }
+    }
+}
+
 /// What stands against a body.
 #[derive(Clone, Copy, Debug)]
 pub enum Party<'a> {
     /// A tool.
     Tool(&'a ToolShape),
-    /// Another body, by its skin at rest.
-    Body(&'a Skin),
+    /// Another body.
+    Body(BodyShape<'a>),
     /// The body itself, where it folds.
     Itself,
 }
@@ -69,7 +88,7 @@ impl Party<'_> {
 
     fn surface(&self) -> Option<&Surface> {
         match self {
-            Self::Body(skin) => skin.surface(),
+            Self::Body(body) => body.skin.surface(),
             Self::Tool(ToolShape::Surface(shape)) => Some(shape.surface()),
             Self::Tool(
                 ToolShape::Point
@@ -120,7 +139,7 @@ impl<'a> SkinSide<'a> {
 ///
 /// # Errors
 /// The combination has none.
-pub fn check(body: &Skin, party: Party<'_>, method: Method) -> Result<(), UnsupportedPair> {
+pub fn check(body: BodyShape<'_>, party: Party<'_>, method: Method) -> Result<(), UnsupportedPair> {
     const EXACT: &str = "use method = \"exact\" or \"none\"";
     let refuse = |why, help| {
         Err(UnsupportedPair {
@@ -130,30 +149,39 @@ pub fn check(body: &Skin, party: Party<'_>, method: Method) -> Result<(), Unsupp
             help,
         })
     };
-    let of_part = body.part().is_some() || matches!(party, Party::Body(Skin::Part(_)));
+    let is_part = |body: &BodyShape<'_>| body.skin.part().is_some();
+    let of_part = is_part(&body) || matches!(&party, Party::Body(other) if is_part(other));
     let joined = |surface: &Surface| surface.joints().is_some();
+    // The part that stands as a solid.
+    let solid = match &party {
+        Party::Body(other) if is_part(other) => Some(other.solid),
+        Party::Body(_) | Party::Tool(ToolShape::Surface(_)) if is_part(&body) => Some(body.solid),
+        _ => None,
+    };
     match (party, method) {
         (Party::Itself, Method::Spheres(_)) => {
             refuse("its points cannot tell a fold from a wall", EXACT)
         }
-        (
-            Party::Tool(ToolShape::Point | ToolShape::Sphere { .. } | ToolShape::Plane { .. }),
-            Method::Exact,
-        ) => Ok(()),
-        (_, Method::Exact) if of_part => refuse(
-            "one of them is a part, trimmed faces of a CAD file, which points, spheres and planes touch",
-            "use such a tool, fit a surface to the part (palpate surface fit), or exclude the pair with method = \"none\"",
-        ),
-        (_, Method::Spheres(_)) if of_part => refuse(
-            "a part has no rows of points",
-            "use method = \"exact\" or \"none\"",
-        ),
+        (_, Method::Spheres(_)) if of_part => refuse("a part has no rows of points", EXACT),
+        (_, Method::Exact) if solid.is_some_and(|solid| solid.is_none()) => {
+            Err(without_inside(party, method))
+        }
         (_, Method::Spheres(_))
-            if body.surface().is_some_and(joined) || party.surface().is_some_and(joined) =>
+            if body.skin.surface().is_some_and(joined) || party.surface().is_some_and(joined) =>
         {
             refuse("the surface is in joined pieces", EXACT)
         }
         _ => Ok(()),
+    }
+}
+
+/// A part that has to be a solid and is none.
+fn without_inside(party: Party<'_>, method: Method) -> UnsupportedPair {
+    UnsupportedPair {
+        party: party.name(),
+        method: method.name(),
+        why: "one of them is a part without an inside, which only points, spheres, planes and tools of other solids touch",
+        help: "close its shell, fit a surface to it (palpate surface fit), or exclude the pair with method = \"none\"",
     }
 }
 
@@ -172,6 +200,8 @@ pub struct Narrow {
 enum Query {
     /// Points, balls and planes on a part.
     Part(Box<PartScratch>),
+    /// A part, as a solid, against a surface or another part.
+    PartSolid(Box<PartSolid>, Whose),
     /// Points, balls and planes.
     Simple(Box<ExactScratch>),
     /// A function's solid.
@@ -192,6 +222,82 @@ enum Query {
     Own(Box<SelfSolver>),
 }
 
+impl Query {
+    /// `None` where a part is to be a solid and has no inside.
+    fn new(body: BodyShape<'_>, party: Party<'_>, method: Method) -> Option<Self> {
+        Some(match (body.skin, party, method) {
+            (Skin::Part(placed), Party::Tool(shape), _) if is_simple(shape) => {
+                Self::Part(Box::new(PartScratch::new(placed.part())))
+            }
+            (skin, Party::Tool(ToolShape::Implicit { .. }), Method::Exact) => {
+                Self::Implicit(Box::new(ImplicitSolver::new(skin)))
+            }
+            (skin, Party::Tool(ToolShape::Mesh(tool)), Method::Exact) => {
+                Self::Mesh(Box::new(MeshSolver::new(skin, tool)))
+            }
+            (Skin::Part(_), Party::Tool(ToolShape::Surface(tool)), _) => {
+                let placed = PlacedSurface::new(tool.surface());
+                let solid = PartSolid::new(&placed.skin, body.solid?);
+                Self::PartSolid(Box::new(solid), Whose::BodyAgainst(Box::new(placed)))
+            }
+            (skin, Party::Body(other), Method::Exact) if other.skin.part().is_some() => {
+                Self::PartSolid(Box::new(PartSolid::new(skin, other.solid?)), Whose::Holder)
+            }
+            (Skin::Part(_), Party::Body(other), Method::Exact) => Self::PartSolid(
+                Box::new(PartSolid::new(other.skin, body.solid?)),
+                Whose::Body,
+            ),
+            (Skin::Surface(surface), ..) => Self::of_surface(surface, party, method),
+            (Skin::Part(_), ..) => return None,
+        })
+    }
+
+    fn of_surface(body: &Surface, party: Party<'_>, method: Method) -> Self {
+        let other = party.surface().unwrap_or(body);
+        match (party, method) {
+            (Party::Itself, _) => Self::Own(Box::new(SelfSolver::new(body))),
+            (Party::Body(_), Method::Exact) => Self::Bodies(Box::new(PairSolver::new(body, other))),
+            (Party::Body(_), Method::Spheres(rows)) => {
+                Self::BodiesSpheres(Box::new(TwoSpheres::new(body, other, rows)))
+            }
+            (Party::Tool(ToolShape::Surface(_)), Method::Exact) => Self::Surface(
+                Box::new(PairSolver::new(body, other)),
+                Box::new(PlacedSurface::new(other)),
+            ),
+            (Party::Tool(ToolShape::Surface(_)), Method::Spheres(rows)) => Self::SurfaceSpheres(
+                Box::new(TwoSpheres::new(body, other, rows)),
+                Box::new(PlacedSurface::new(other)),
+            ),
+            (Party::Tool(_), Method::Spheres(rows)) => {
+                Self::Spheres(Box::new(Spheres::new(body, rows)))
+            }
+            (Party::Tool(_), Method::Exact) => {
+                let solver = &mut ClosestSolver::new(body);
+                Self::Simple(Box::new(ExactScratch::new(body, solver)))
+            }
+        }
+    }
+}
+
+/// Points, spheres and planes.
+fn is_simple(shape: &ToolShape) -> bool {
+    matches!(
+        shape,
+        ToolShape::Point | ToolShape::Sphere { .. } | ToolShape::Plane { .. }
+    )
+}
+
+/// Which of two parties is the part that stands against the other as a solid.
+#[derive(Debug)]
+enum Whose {
+    /// The holder.
+    Holder,
+    /// The pair's body.
+    Body,
+    /// The pair's body, against a tool that is a surface.
+    BodyAgainst(Box<PlacedSurface>),
+}
+
 /// What a point of one party sees of the other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Facing {
@@ -204,75 +310,26 @@ pub struct Facing {
 }
 
 impl Narrow {
-    /// What a pair needs, and no more. `body` is the skin at rest.
+    /// What a pair needs, and no more.
     ///
     /// # Errors
     /// No query answers the combination, as [`check`] says.
-    pub fn new(body: &Skin, party: Party<'_>, method: Method) -> Result<Self, UnsupportedPair> {
+    pub fn new(
+        body: BodyShape<'_>,
+        party: Party<'_>,
+        method: Method,
+    ) -> Result<Self, UnsupportedPair> {
         check(body, party, method)?;
-        let body = match body {
-            Skin::Surface(surface) => surface,
-            Skin::Part(placed) => {
-                return Ok(Self {
-                    set: ContactSet::new(),
-                    query: Query::Part(Box::new(PartScratch::new(placed.part()))),
-                    features: None,
-                });
-            }
-        };
-        let other = party.surface();
-        let query = match (party, method) {
-            (Party::Itself, Method::Exact | Method::Spheres(_)) => {
-                Query::Own(Box::new(SelfSolver::new(body)))
-            }
-            (Party::Body(_), Method::Exact) => {
-                Query::Bodies(Box::new(PairSolver::new(body, other.unwrap_or(body))))
-            }
-            (Party::Body(_), Method::Spheres(rows)) => {
-                Query::BodiesSpheres(Box::new(TwoSpheres::new(body, other.unwrap_or(body), rows)))
-            }
-            (Party::Tool(shape), method) => match (shape, method) {
-                (
-                    ToolShape::Point | ToolShape::Sphere { .. } | ToolShape::Plane { .. },
-                    Method::Exact,
-                ) => {
-                    let solver = &mut ClosestSolver::new(body);
-                    Query::Simple(Box::new(ExactScratch::new(body, solver)))
-                }
-                (ToolShape::Implicit { .. }, Method::Exact) => {
-                    let solver = &mut ClosestSolver::new(body);
-                    Query::Implicit(Box::new(ImplicitSolver::new(body, solver)))
-                }
-                (ToolShape::Mesh(tool), Method::Exact) => {
-                    let solver = &mut ClosestSolver::new(body);
-                    Query::Mesh(Box::new(MeshSolver::new(body, solver, tool)))
-                }
-                (ToolShape::Surface(tool), Method::Exact) => Query::Surface(
-                    Box::new(PairSolver::new(body, tool.surface())),
-                    Box::new(PlacedSurface::new(tool.surface())),
-                ),
-                (ToolShape::Surface(tool), Method::Spheres(rows)) => Query::SurfaceSpheres(
-                    Box::new(TwoSpheres::new(body, tool.surface(), rows)),
-                    Box::new(PlacedSurface::new(tool.surface())),
-                ),
-                (
-                    ToolShape::Point
-                    | ToolShape::Sphere { .. }
-                    | ToolShape::Plane { .. }
-                    | ToolShape::Implicit { .. }
-                    | ToolShape::Mesh(_),
-                    Method::Spheres(rows),
-                ) => Query::Spheres(Box::new(Spheres::new(body, rows))),
-            },
-        };
         let features = match (party, method) {
             (Party::Tool(shape), Method::Exact) => shape.features(),
             _ => None,
         };
+        let features = features.map(|features| Box::new(FeatureSearch::new(body.skin, features)));
+        let query = Query::new(body, party, method);
         Ok(Self {
             set: ContactSet::new(),
-            query,
-            features: features.map(|features| Box::new(FeatureSearch::new(body, features))),
+            query: query.ok_or_else(|| without_inside(party, method))?,
+            features,
         })
     }
 
@@ -285,110 +342,107 @@ impl Narrow {
         } = self;
         set.clear();
         let place = Point3::from(pose.translation.vector);
-        let (surface, solver) = match (body.skin, body.solver) {
-            (Skin::Surface(surface), SkinSolver::Surface(solver)) => (surface, &mut **solver),
-            (Skin::Part(placed), SkinSolver::Part(solver)) => {
-                let Query::Part(scratch) = query else {
-                    return made_for_another(shape);
-                };
+        let SkinSide { skin, solver } = body;
+        let mut edges = features.as_mut().zip(shape.features());
+        if let Some((search, known)) = &mut edges {
+            search.find(known, pose, skin, solver, &reach);
+        }
+        let beside = (edges.as_ref()).map_or(&[][..], |(search, _)| search.found());
+        match (query, shape, skin, &mut *solver) {
+            (Query::Implicit(found), ToolShape::Implicit { tool, .. }, _, solver) => {
+                found.contacts(skin, solver, tool, pose, &reach, beside, set);
+            }
+            (Query::Mesh(found), ToolShape::Mesh(tool), _, solver) => {
+                found.contacts(skin, solver, tool, pose, &reach, beside, set);
+            }
+            (
+                Query::PartSolid(found, Whose::BodyAgainst(placed)),
+                ToolShape::Surface(tool),
+                Skin::Part(part),
+                _,
+            ) => {
+                placed.place(tool.surface(), pose);
+                let PlacedSurface { skin, solver } = &mut **placed;
+                found.contacts(skin, solver, part.pose(), &reach, set);
+                set.turn_round();
+            }
+            (Query::Part(scratch), _, Skin::Part(placed), SkinSolver::Part(solver)) => {
                 let side = PartSide {
                     part: placed.part(),
                     pose: placed.pose(),
                     solver,
                 };
                 match shape {
-                    ToolShape::Point | ToolShape::Sphere { .. } => {
-                        let radius_m = shape.ball_radius_m().unwrap_or(0.0);
-                        part::ball::contacts(side, &place, radius_m, &reach, scratch, set);
-                    }
                     ToolShape::Plane { normal } => {
                         let plane = pose.rotation * normal;
                         part::plane::contacts(side, &place, &plane, &reach, scratch, set);
                     }
-                    ToolShape::Implicit { .. } | ToolShape::Mesh(_) | ToolShape::Surface(_) => {
-                        made_for_another(shape);
+                    _ => {
+                        let radius_m = shape.ball_radius_m().unwrap_or(0.0);
+                        part::ball::contacts(side, &place, radius_m, &reach, scratch, set);
                     }
                 }
-                return;
             }
-            _ => return made_for_another(shape),
-        };
-        let mut edges = features.as_mut().zip(shape.features());
-        if let Some((search, known)) = &mut edges {
-            search.find(known, pose, surface, solver, &reach);
-        }
-        let beside = (edges.as_ref()).map_or(&[][..], |(search, _)| search.found());
-        match shape {
-            ToolShape::Point | ToolShape::Sphere { .. } => {
-                let radius_m = shape.ball_radius_m().unwrap_or(0.0);
-                match query {
-                    Query::Simple(scratch) => {
-                        exact::ball::contacts(
-                            surface, solver, &place, radius_m, &reach, scratch, set,
-                        );
-                    }
-                    Query::Spheres(spheres) => {
-                        spheres.load(surface);
-                        spheres.ball(&place, radius_m, &reach, set);
-                    }
-                    _ => made_for_another(shape),
-                }
-            }
-            ToolShape::Plane { normal } => {
-                let plane = pose.rotation * normal;
-                match query {
-                    Query::Simple(scratch) => {
+            (Query::Simple(scratch), _, Skin::Surface(surface), SkinSolver::Surface(solver)) => {
+                match shape {
+                    ToolShape::Plane { normal } => {
+                        let plane = pose.rotation * normal;
                         exact::plane::contacts(
                             surface, solver, &place, &plane, &reach, scratch, set,
                         );
                     }
-                    Query::Spheres(spheres) => {
-                        spheres.load(surface);
-                        spheres.plane(&place, &plane, &reach, set);
+                    _ => {
+                        let radius_m = shape.ball_radius_m().unwrap_or(0.0);
+                        exact::ball::contacts(
+                            surface, solver, &place, radius_m, &reach, scratch, set,
+                        );
                     }
-                    _ => made_for_another(shape),
                 }
             }
-            ToolShape::Implicit { tool, .. } => match query {
-                Query::Implicit(found) => {
-                    found.contacts(surface, solver, tool, pose, &reach, beside, set);
+            (Query::Spheres(spheres), _, Skin::Surface(surface), _) => {
+                spheres.load(surface);
+                match shape {
+                    ToolShape::Plane { normal } => {
+                        spheres.plane(&place, &(pose.rotation * normal), &reach, set);
+                    }
+                    ToolShape::Implicit { tool, .. } => {
+                        spheres.solid(&Placed::new(&**tool, shape, pose), &reach, set);
+                    }
+                    ToolShape::Mesh(tool) => {
+                        spheres.solid(&Placed::new(&**tool, shape, pose), &reach, set);
+                    }
+                    _ => {
+                        let radius_m = shape.ball_radius_m().unwrap_or(0.0);
+                        spheres.ball(&place, radius_m, &reach, set);
+                    }
                 }
-                Query::Spheres(spheres) => {
-                    spheres.load(surface);
-                    spheres.solid(&Placed::new(&**tool, shape, pose), &reach, set);
+            }
+            (
+                Query::Surface(found, placed),
+                ToolShape::Surface(tool),
+                Skin::Surface(surface),
+                SkinSolver::Surface(solver),
+            ) => {
+                placed.place(tool.surface(), pose);
+                if let Some(side) = placed.side() {
+                    found.contacts(PairSide { surface, solver }, side, reach, set);
                 }
-                _ => made_for_another(shape),
-            },
-            ToolShape::Mesh(tool) => match query {
-                Query::Mesh(found) => {
-                    found.contacts(surface, solver, tool, pose, &reach, beside, set);
-                }
-                Query::Spheres(spheres) => {
-                    spheres.load(surface);
-                    spheres.solid(&Placed::new(&**tool, shape, pose), &reach, set);
-                }
-                _ => made_for_another(shape),
-            },
-            ToolShape::Surface(tool) => match query {
-                Query::Surface(found, placed) => {
-                    placed.place(tool.surface(), pose);
-                    let body = PairSide {
-                        surface,
-                        solver: &mut *solver,
-                    };
-                    found.contacts(body, placed.side(), reach, set);
-                }
-                Query::SurfaceSpheres(two, placed) => {
-                    placed.place(tool.surface(), pose);
-                    two.body.load(surface);
-                    two.other.load_at(tool.surface(), pose);
-                    two.pair.find(&mut two.body, &mut two.other, &reach, set);
-                }
-                _ => made_for_another(shape),
-            },
+            }
+            (
+                Query::SurfaceSpheres(two, placed),
+                ToolShape::Surface(tool),
+                Skin::Surface(surface),
+                _,
+            ) => {
+                placed.place(tool.surface(), pose);
+                two.body.load(surface);
+                two.other.load_at(tool.surface(), pose);
+                two.pair.find(&mut two.body, &mut two.other, &reach, set);
+            }
+            _ => made_for_another(shape),
         }
         if let Some((search, known)) = edges {
-            search.join(known, pose, surface, solver, &reach, set);
+            search.join(known, pose, skin, solver, &reach, set);
         }
     }
 
@@ -414,13 +468,15 @@ impl Narrow {
                 _ => tool.signed_gap(pose, x),
             },
             ToolShape::Surface(_) => {
-                let (Query::Surface(_, placed) | Query::SurfaceSpheres(_, placed)) = &self.query
+                let (Query::Surface(_, placed)
+                | Query::SurfaceSpheres(_, placed)
+                | Query::PartSolid(_, Whose::BodyAgainst(placed))) = &self.query
                 else {
                     made_for_another(shape);
                     return None;
                 };
                 let contacts = self.set.contacts();
-                let local = |x: &Point3, s, t| placed.solver.local(&placed.surface, x, s, t);
+                let local = |x: &Point3, s, t| placed.solver.local(&placed.skin, x, s, t);
                 return look_at(contacts, x, margin_m, local);
             }
         };
@@ -443,13 +499,32 @@ impl Narrow {
     /// −1; `None` where they do not touch, or only at the rim.
     pub fn body_contacts(
         &mut self,
-        mine: PairSide<'_>,
-        theirs: PairSide<'_>,
-        reach: Reach,
+        mine: SkinSide<'_>,
+        theirs: SkinSide<'_>,
+        mut reach: Reach,
         known: bool,
     ) -> Option<f64> {
         let Self { set, query, .. } = self;
         set.clear();
+        if let Query::PartSolid(solid, whose) = query {
+            let holds = matches!(whose, Whose::Holder);
+            let (on, part) = if holds {
+                (mine, theirs)
+            } else {
+                (theirs, mine)
+            };
+            let part = part.skin.part()?;
+            if !known && !on.skin.is_closed() {
+                let foot = on.solver.closest(on.skin, &part.middle());
+                reach.below = foot.signed_distance < 0.0;
+            }
+            solid.contacts(on.skin, on.solver, part.pose(), &reach, set);
+            if !holds {
+                set.turn_round();
+            }
+            return (!set.contacts().is_empty()).then(|| reach.side());
+        }
+        let (mine, theirs) = (mine.surface()?, theirs.surface()?);
         match query {
             Query::Bodies(solver) => {
                 if known {
@@ -487,6 +562,7 @@ impl Narrow {
             Query::Spheres(spheres) => Some(spheres.counters()),
             Query::SurfaceSpheres(two, _) | Query::BodiesSpheres(two) => Some(two.pair.counters()),
             Query::Part(_)
+            | Query::PartSolid(..)
             | Query::Simple(_)
             | Query::Implicit(_)
             | Query::Mesh(_)
@@ -567,36 +643,33 @@ impl Solid for Placed<'_, MeshTool> {
 /// A rigid surface where its tool stands.
 #[derive(Debug)]
 struct PlacedSurface {
-    surface: Surface,
-    solver: ClosestSolver,
+    skin: Skin,
+    solver: SkinSolver,
 }
 
 impl PlacedSurface {
     fn new(at_rest: &Surface) -> Self {
+        let skin = Skin::from(at_rest.clone());
         Self {
-            surface: at_rest.clone(),
-            solver: ClosestSolver::new(at_rest),
+            solver: SkinSolver::new(&skin),
+            skin,
         }
     }
 
     fn place(&mut self, at_rest: &Surface, pose: &Pose) {
-        for (now, rest) in self
-            .surface
-            .net_mut()
-            .points_mut()
-            .iter_mut()
-            .zip(at_rest.net().points())
-        {
+        let now = self
+            .skin
+            .surface_mut()
+            .map(|now| now.net_mut().points_mut());
+        for (now, rest) in now.into_iter().flatten().zip(at_rest.net().points()) {
             *now = pose * rest;
         }
         self.solver.net_changed();
     }
 
-    fn side(&mut self) -> PairSide<'_> {
-        PairSide {
-            surface: &self.surface,
-            solver: &mut self.solver,
-        }
+    fn side(&mut self) -> Option<PairSide<'_>> {
+        let Self { skin, solver } = self;
+        SkinSide { skin, solver }.surface()
     }
 }
 
@@ -662,7 +735,7 @@ mod tests {
             };
             let pose = Pose::translation(0.003, 0.001, low_m - 1e-3);
             for method in METHODS {
-                let mut narrow = Narrow::new(&sheet, Party::Tool(&shape), method).unwrap();
+                let mut narrow = Narrow::new((&sheet).into(), Party::Tool(&shape), method).unwrap();
                 let body = SkinSide {
                     skin: &sheet,
                     solver: &mut SkinSolver::new(&sheet),
@@ -692,9 +765,9 @@ mod tests {
     #[test]
     fn a_body_against_itself_on_points_is_refused_by_name() {
         let sheet = Skin::from(builtin("sheet", None, None).unwrap());
-        let refused = Narrow::new(&sheet, Party::Itself, METHODS[1]).unwrap_err();
+        let refused = Narrow::new((&sheet).into(), Party::Itself, METHODS[1]).unwrap_err();
         assert_eq!((refused.party, refused.method), ("itself", "spheres"));
         assert!(refused.to_string().contains("use method = \"exact\""));
-        assert!(Narrow::new(&sheet, Party::Itself, METHODS[0]).is_ok());
+        assert!(Narrow::new((&sheet).into(), Party::Itself, METHODS[0]).is_ok());
     }
 }

@@ -5,6 +5,7 @@ use super::implicit::{ImplicitShape, ImplicitSolver};
 use super::pair::{PairSide, PairSolver};
 use super::{ContactSet, Reach};
 use crate::math::{Point3, Pose, Vector3};
+use crate::skin::{Skin, SkinSolver};
 use crate::surface::{ClosestSolver, Surface, builtin, file};
 
 fn vessel() -> Surface {
@@ -46,11 +47,12 @@ fn plane_on(surface: &Surface, point: Point3, normal: Vector3) -> ContactSet {
 }
 
 fn function_on(surface: &Surface, shape: &ImplicitShape, pose: &Pose) -> ContactSet {
-    let mut solver = ClosestSolver::new(surface);
-    let mut implicit = ImplicitSolver::new(surface, &mut solver);
+    let skin = Skin::from(surface.clone());
+    let mut solver = SkinSolver::new(&skin);
+    let mut implicit = ImplicitSolver::new(&skin);
     let mut out = ContactSet::new();
     implicit.contacts(
-        surface,
+        &skin,
         &mut solver,
         &shape.compile().unwrap(),
         pose,

@@ -124,6 +124,31 @@ impl ContactSet {
         self.dropped = 0;
     }
 
+    /// Body and tool change places; every contact has a place on both.
+    pub fn turn_round(&mut self) {
+        for contact in &mut self.contacts {
+            let [u, v] = contact.tool_uv.unwrap_or_default();
+            *contact = Contact {
+                u,
+                v,
+                on_body: contact.on_tool,
+                on_tool: contact.on_body,
+                normal: -contact.normal,
+                tool_uv: Some([contact.u, contact.v]),
+                ..*contact
+            };
+        }
+        self.rectangles.clear();
+        self.contacts.sort_unstable_by(order);
+    }
+
+    /// Where each contact is on the tool, by its point there.
+    pub fn find_on_tool(&mut self, mut place: impl FnMut(&Point3) -> Option<[f64; 2]>) {
+        for contact in &mut self.contacts {
+            contact.tool_uv = place(&contact.on_tool);
+        }
+    }
+
     /// Adds a contact at its place in the order: deepest first, then by u, then by v. The
     /// shallowest leaves a full set.
     pub fn push(&mut self, contact: Contact) {

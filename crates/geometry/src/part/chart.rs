@@ -31,7 +31,7 @@ pub(super) struct Chart {
     /// Of the carrier, if it is elementary.
     axes: Option<Axes>,
     /// Of a B-spline: low and high of u and of v.
-    domain: Option<[[f64; 2]; 2]>,
+    pub domain: Option<[[f64; 2]; 2]>,
 }
 
 impl Chart {

@@ -63,10 +63,7 @@ pub(super) fn bodies(search: &mut Search<'_>, p: usize, other: usize) {
     };
     // What is closed has the side of a sheet on which it touches, as long as it does.
     let known = their_body.two_sided || proxy.touching && proxy.known;
-    let (Some(here), Some(there)) = (mine.side().surface(), theirs.side().surface()) else {
-        return;
-    };
-    let side = pairs[p].body_contacts(here, there, reach, known);
+    let side = pairs[p].body_contacts(mine.side(), theirs.side(), reach, known);
     if my_body.two_sided && !their_body.two_sided {
         proxy.known = side.is_some();
         proxy.below = side.is_some_and(|side| side < 0.0);
@@ -289,6 +286,7 @@ fn straight(x: &Point3, seen: Facing, side: f64, on: &BodyScratch) -> Option<Fac
         return Some(seen);
     }
     let [u, v] = seen.uv;
+    // Descent on a part passes over its edges.
     let surface = on.skin.surface()?;
     let (long_u, long_v) = (surface.knots_u().length(), surface.knots_v().length());
     STARTS.iter().find_map(|(a, b)| {

@@ -4,7 +4,10 @@ use super::door::{At, Door, SceneError};
 use super::pairs::{self, Frictions};
 use super::spec::{MAX_TOOLS, SceneSpec};
 use super::{Body, BodyModel, FrameOf, Pair, Scene, Tool, model, mover, tool};
+use palpate_geometry::contact::ToolShape;
+use palpate_geometry::contact::mesh::MeshTool;
 use std::path::Path;
+use std::sync::Arc;
 
 impl Scene {
     /// Checks the spec and builds surfaces, bodies and tools; `directory` is where relative paths of
@@ -85,8 +88,9 @@ fn scene(spec: &SceneSpec, top: &At<'_>) -> Option<Scene> {
     let bodies: Vec<Option<Body>> = (spec.bodies.iter().enumerate())
         .map(|(b, body)| model::build(spec, &tools, body, &top.key("body").entry(b), dt_s))
         .collect();
-    let bodies: Vec<Body> = bodies.into_iter().collect::<Option<_>>()?;
+    let mut bodies: Vec<Body> = bodies.into_iter().collect::<Option<_>>()?;
     let tools: Vec<Tool> = tools.into_iter().collect::<Option<_>>()?;
+    make_solid(&mut bodies, &tools, top)?;
     let (frictions, frame) = (frictions?, frame?);
     let pairs = pairs::build(spec, &frictions, &tools, &bodies, frame.as_ref(), top)?;
     check_couplings(&tools, &bodies, &pairs, top);
@@ -102,6 +106,26 @@ fn scene(spec: &SceneSpec, top: &At<'_>) -> Option<Scene> {
         notes: Vec::new(),
         warnings: Vec::new(),
     })
+}
+
+/// Gives closed parts what surfaces and other parts need to touch them, where there are any.
+fn make_solid(bodies: &mut [Body], tools: &[Tool], top: &At<'_>) -> Option<()> {
+    let touched = bodies.iter().any(|body| !body.is_firm()) && bodies.len() > 1
+        || (tools.iter()).any(|tool| matches!(tool.shape, ToolShape::Surface(_)));
+    for (b, body) in bodies.iter_mut().enumerate().filter(|_| touched) {
+        let Some(placed) = body.skin.part().filter(|placed| placed.part().is_closed()) else {
+            continue;
+        };
+        match MeshTool::of_part(placed.shared()) {
+            Ok(solid) => body.solid = Some(Arc::new(solid)),
+            Err(error) => {
+                return top.key("body").entry(b).key("surface").refused(format!(
+                    "surfaces and other bodies touch a part by its triangles, and {error}"
+                ));
+            }
+        }
+    }
+    Some(())
 }
 
 /// What concerns the scene as a whole: rates, gravity, recording, how many, and ids.

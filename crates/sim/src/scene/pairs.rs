@@ -202,7 +202,7 @@ pub(super) fn build(
     }
     for pair in &pairs {
         let party = pair.party(tools, bodies);
-        let Err(error) = dispatch::check(&bodies[pair.body].skin, party, pair.method) else {
+        let Err(error) = dispatch::check(bodies[pair.body].shape(), party, pair.method) else {
             continue;
         };
         let of_pair =

@@ -8,11 +8,13 @@ use crate::solve::friction::Friction;
 use crate::solve::indentation::Resolution;
 use crate::solve::rows::Holder;
 use palpate_geometry::basis::KnotVector;
-use palpate_geometry::contact::dispatch::{Method, Party};
+use palpate_geometry::contact::dispatch::{BodyShape, Method, Party};
+use palpate_geometry::contact::mesh::MeshTool;
 use palpate_geometry::contact::{ContactSamples, ToolShape};
 use palpate_geometry::math::{Point3, Rotation};
 use palpate_geometry::skin::Skin;
 use palpate_geometry::surface::Surface;
+use std::sync::Arc;
 
 /// Below so many knot spans a direction of a surface is coarse.
 const COARSE_SPANS: usize = 8;
@@ -31,6 +33,8 @@ pub(crate) struct Body {
     pub id: String,
     /// Refined, in the world, at rest.
     pub skin: Skin,
+    /// Of a closed part that surfaces or other parts may touch: what it is to them.
+    pub solid: Option<Arc<MeshTool>>,
     /// Net before refinement: rows, columns; none of a part.
     pub original_net: [usize; 2],
     /// Diagonal of the net's box, m: what tolerances refer to.
@@ -43,6 +47,14 @@ pub(crate) struct Body {
 }
 
 impl Body {
+    /// As pairs are made of it.
+    pub fn shape(&self) -> BodyShape<'_> {
+        BodyShape {
+            skin: &self.skin,
+            solid: self.solid.as_ref(),
+        }
+    }
+
     /// The constants of a rigid body that contact and gravity move.
     pub fn free(&self) -> Option<&Free> {
         self.mover.as_ref()?.free()
@@ -151,7 +163,7 @@ impl Pair {
         match self.holder {
             Holder::Tool(tool) => Party::Tool(&tools[tool as usize].shape),
             Holder::Body(other) if other as usize == self.body => Party::Itself,
-            Holder::Body(other) => Party::Body(&bodies[other as usize].skin),
+            Holder::Body(other) => Party::Body(bodies[other as usize].shape()),
         }
     }
 }

@@ -82,7 +82,7 @@ impl Scratch {
 impl Scene {
     fn narrow(&self, pair: &Pair) -> Narrow {
         let party = pair.party(&self.tools, &self.bodies);
-        let mut narrow = Narrow::new(&self.bodies[pair.body].skin, party, pair.method)
+        let mut narrow = Narrow::new(self.bodies[pair.body].shape(), party, pair.method)
             .unwrap_or_else(|e| unreachable!("the scene was built with a pair that has none: {e}"));
         if bounce::are_rigid(self, pair.body, pair.holder) {
             narrow.spread();

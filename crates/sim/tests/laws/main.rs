@@ -31,6 +31,7 @@ mod membranes;
 mod models;
 mod motion;
 mod movers;
+mod part_solids;
 mod parts;
 mod presses;
 mod quality;

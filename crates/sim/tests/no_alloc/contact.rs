@@ -7,6 +7,7 @@ use palpate_geometry::contact::implicit::{ImplicitShape, ImplicitSolver};
 use palpate_geometry::contact::mesh::{MeshSolver, MeshTool};
 use palpate_geometry::contact::{ContactSet, Reach, swept};
 use palpate_geometry::math::{Point3, Pose, Rotation, Vector3};
+use palpate_geometry::skin::{Skin, SkinSolver};
 use palpate_geometry::surface::{Bounds, ClosestSolver, Surface, builtin};
 
 /// Poses around and inside a body, a golden spiral of them.
@@ -97,14 +98,16 @@ fn contact_queries_allocate_nothing_and_repeat_themselves() {
             half_extents_m: [0.1 * size, 0.05 * size, 0.2 * size],
         };
         let tool = tool.compile().expect("a box");
-        let mut implicit = ImplicitSolver::new(&body, &mut solver);
+        let skin = Skin::from(body.clone());
+        let mut closest = SkinSolver::new(&skin);
+        let mut implicit = ImplicitSolver::new(&skin);
         run("implicit", &body, 12, |p, out| {
-            implicit.contacts(&body, &mut solver, &tool, p, &reach, &[], out)
+            implicit.contacts(&skin, &mut closest, &tool, p, &reach, &[], out)
         });
         let tool = tetrahedron(0.1 * size);
-        let mut mesh = MeshSolver::new(&body, &mut solver, &tool);
+        let mut mesh = MeshSolver::new(&skin, &tool);
         run("mesh", &body, 12, |p, out| {
-            mesh.contacts(&body, &mut solver, &tool, p, &reach, &[], out)
+            mesh.contacts(&skin, &mut closest, &tool, p, &reach, &[], out)
         });
         let sweeps = allocations(|| {
             for k in 0..30 {

@@ -8,14 +8,18 @@
 //! of a Bézier piece from the next.
 
 mod climb;
+mod part;
+mod skin;
+mod tops;
 
-pub(super) use self::climb::ClimbTop;
-pub(super) use self::climb::Map;
+use self::climb::Map;
+pub(super) use self::skin::SkinDepths;
+use self::tops::{Ground, Tops};
 
 use super::exact::Patches;
-use super::{Contact, ContactSet, MAX_CONTACTS};
+use super::{Contact, ContactSet};
 use crate::math::{Point3, Vector3};
-use crate::surface::{ClosestSolver, Joints, Surface};
+use crate::surface::{ClosestSolver, Surface};
 
 /// Samples of a piece in each direction.
 const GRID: usize = 8;
@@ -58,41 +62,46 @@ pub(super) trait DepthField {
     fn edges_known(&self) -> bool;
 }
 
+/// All of a surface.
+struct Whole<'a>(&'a Surface);
+
+impl Ground for Whole<'_> {
+    fn point(&self, [u, v]: [f64; 2]) -> Point3 {
+        self.0.point(u, v)
+    }
+}
+
 /// Scratch against one surface, sized once. Nothing in it outlives a query.
 #[derive(Clone, Debug)]
 pub(super) struct DepthSearch {
-    pub map: Map,
-    /// Of a branching surface.
-    joints: Option<Box<Joints>>,
+    pub tops: Tops,
     pub patches: Patches,
-    pub size_m: f64,
-    /// Between samples, m.
-    spacing_m: f64,
     /// (pieces): the solid may reach into it.
     pub reached: Vec<bool>,
-    /// What was found, deepest starts first.
-    pub tops: Vec<ClimbTop>,
     /// Rows and columns of pieces.
     pieces: [usize; 2],
     /// (rows × GRID × columns × GRID): rough depth, m, and way out.
     samples: Vec<(f64, Vector3)>,
     /// Parameters of the samples in u and v.
     axes: [Vec<f64>; 2],
-    starts: Shortlist<[f64; 2], MOST_CLIMBS>,
     ridges: Shortlist<[[f64; 2]; 2], MOST_RIDGES>,
 }
 
 /// The deepest of what was offered, deepest first.
 #[derive(Clone, Debug)]
-struct Shortlist<T, const MOST: usize>(Vec<(f64, T)>);
+pub(super) struct Shortlist<T, const MOST: usize>(Vec<(f64, T)>);
 
 impl<T, const MOST: usize> Shortlist<T, MOST> {
     fn new() -> Self {
         Self(Vec::with_capacity(MOST))
     }
 
+    fn clear(&mut self) {
+        self.0.clear();
+    }
+
     /// False when something found no room.
-    fn offer(&mut self, depth_m: f64, what: T) -> bool {
+    pub fn offer(&mut self, depth_m: f64, what: T) -> bool {
         let at = self.0.partition_point(|held| held.0 >= depth_m);
         let full = self.0.len() == MOST;
         if at == MOST {
@@ -121,18 +130,17 @@ impl DepthSearch {
         });
         let pieces = axes.each_ref().map(|a| a.len() / GRID);
         Self {
-            map: Map::new(surface),
-            joints: surface.joints().map(Box::new),
+            tops: Tops::new(
+                Map::new(surface),
+                surface.joints().map(Box::new),
+                surface.size(),
+                surface.size() / (GRID * pieces[0].min(pieces[1]).max(1)) as f64,
+            ),
             patches: Patches::new(surface, solver),
-            size_m: surface.size(),
-            spacing_m: surface.size() / (GRID * pieces[0].min(pieces[1]).max(1)) as f64,
             reached: vec![false; pieces[0] * pieces[1]],
-            // Finished tops are gathered behind the rough ones.
-            tops: Vec::with_capacity(MOST_CLIMBS + MAX_CONTACTS),
             pieces,
             samples: vec![(0.0, Vector3::zeros()); axes[0].len() * axes[1].len()],
             axes,
-            starts: Shortlist::new(),
             ridges: Shortlist::new(),
         }
     }
@@ -149,226 +157,26 @@ impl DepthSearch {
         beside: &[Contact],
         out: &mut ContactSet,
     ) {
-        self.tops.clear();
+        self.tops.found.clear();
         self.prune(surface, solver, field);
         if !self.reached.contains(&true) {
             return;
         }
         self.sample(surface, solver, field);
-        let point = |x: [f64; 2]| surface.point(x[0], x[1]);
-        let depth = |x: [f64; 2]| field.depth_m(&point(x));
+        let ground = Whole(surface);
+        let depth = |x: [f64; 2]| field.depth_m(&ground.point(x));
         self.pick(margin_m, !field.edges_known(), depth, out);
-        self.climb_all(true, field, margin_m, beside, &point);
+        self.tops.climb_all(true, field, margin_m, beside, &ground);
         // Through the middle of the solid: there, no side is nearest, and none of its edges is in touch.
         let through = self.samples.iter().any(|(depth_m, _)| *depth_m > 0.0);
-        let found = !self.tops.is_empty() || beside.iter().any(|contact| contact.depth_m >= 0.0);
+        let found =
+            !self.tops.found.is_empty() || beside.iter().any(|contact| contact.depth_m >= 0.0);
         let by_sides = found || !through;
         if !by_sides {
             self.pick(margin_m, true, depth, out);
-            self.climb_all(false, field, margin_m, beside, &point);
+            self.tops.climb_all(false, field, margin_m, beside, &ground);
         }
-        // What has kinks was climbed coarsely; now that there are few, exactly.
-        self.tops.sort_unstable_by(|a, b| {
-            let place = a.at[0]
-                .total_cmp(&b.at[0])
-                .then(a.at[1].total_cmp(&b.at[1]));
-            b.height_m.total_cmp(&a.height_m).then(place)
-        });
-        self.tops.truncate(MAX_CONTACTS);
-        for k in 0..self.tops.len().min(MOST_FINISHED) {
-            if !self.tops[k].settled {
-                let mut top = self.tops[k];
-                let side = (by_sides.then(|| self.side_below(field, &point(top.at), 0))).flatten();
-                self.map_at(top.at)
-                    .finish(&mut top, self.size_m, |x| match side {
-                        Some(side) => field.depth_below(side, &point(x)),
-                        None => depth(x),
-                    });
-                top.settled = true;
-                self.tops[k] = top;
-            }
-        }
-        let rough = self.tops.len();
-        for k in 0..rough {
-            let top = self.tops[k];
-            self.keep_from(rough, top, depth, point);
-        }
-        self.tops.drain(..rough);
-    }
-
-    /// Climbs from the starts that were picked: each on its sides, or on the whole solid.
-    fn climb_all(
-        &mut self,
-        by_sides: bool,
-        field: &impl DepthField,
-        margin_m: f64,
-        beside: &[Contact],
-        point: &impl Fn([f64; 2]) -> Point3,
-    ) {
-        let depth = |x: [f64; 2]| field.depth_m(&point(x));
-        let level = 1e-3 * SAME * self.size_m;
-        for k in 0..self.starts.0.len() {
-            let start = self.starts.0[k].1;
-            // A start that a level or rising way joins with a top already climbed would end there.
-            let here = depth(start);
-            let mut known = self
-                .tops
-                .iter()
-                .filter(|t| t.height_m >= here)
-                .map(|t| (t.at, here - level));
-            if known.any(|(at, level)| self.joined(start, at, level, depth)) {
-                continue;
-            }
-            let p = point(start);
-            let first = (by_sides.then(|| self.side_below(field, &p, 0))).flatten();
-            let Some(first) = first else {
-                self.climb_from(start, None, field, margin_m, beside, point);
-                continue;
-            };
-            // Beside an edge the start stands for the sides that meet there.
-            let nearest_m = field.depth_below(first, &p);
-            for after in 0..MOST_SIDES {
-                let side = self.side_below(field, &p, after);
-                let meets =
-                    |side: &usize| field.depth_below(*side, &p) - nearest_m < self.spacing_m;
-                let Some(side) = side.filter(meets) else {
-                    break;
-                };
-                self.climb_from(start, Some(side), field, margin_m, beside, point);
-            }
-        }
-    }
-
-    /// Where a climb from a place may go: of a branching surface, over one patch.
-    fn map_at(&self, at: [f64; 2]) -> Map {
-        self.joints.as_ref().map_or(self.map, |joints| {
-            self.map.within(joints.rectangle(joints.patch_at(at)))
-        })
-    }
-
-    /// No more than samples are from each other.
-    fn are_neighbours(&self, a: [f64; 2], b: [f64; 2]) -> bool {
-        let way = self.map.way(a, b);
-        (0..2).all(|k| way[k].abs() * GRID as f64 <= self.map.spans[k])
-    }
-
-    fn is_same(&self, a_m: f64, b_m: f64) -> bool {
-        (a_m - b_m).abs() <= SAME * self.size_m
-    }
-
-    /// A side below which a climb from a point goes, if it is known.
-    fn side_below(&self, field: &impl DepthField, p: &Point3, after: usize) -> Option<usize> {
-        // At an edge that runs inwards the solid is deeper than below each of its sides.
-        let equal = SAME * self.size_m;
-        field
-            .side(p, after)
-            .filter(|&side| field.depth_m(p) <= field.depth_below(side, p) + equal)
-    }
-
-    /// Climbs on a side and keeps what is found.
-    fn climb_from(
-        &mut self,
-        start: [f64; 2],
-        side: Option<usize>,
-        field: &impl DepthField,
-        margin_m: f64,
-        beside: &[Contact],
-        point: &impl Fn([f64; 2]) -> Point3,
-    ) {
-        let depth = |x: [f64; 2]| field.depth_m(&point(x));
-        let height = |x: [f64; 2]| match side {
-            Some(side) => field.depth_below(side, &point(x)),
-            None => depth(x),
-        };
-        let beyond = |x: [f64; 2]| side.is_some() && !self.is_same(height(x), depth(x));
-        // Beside a tip a side may be bent more than samples show: from there it is nearer.
-        let feet = beside.iter().map(|contact| [contact.u, contact.v]);
-        let near = feet
-            .filter(|_| side.is_some())
-            .filter(|&foot| self.are_neighbours(start, foot) && height(foot) > height(start))
-            .max_by(|&a, &b| height(a).total_cmp(&height(b)));
-        let from_near = near.and_then(|foot| self.climb(foot, height, beyond));
-        let Some(top) = from_near.or_else(|| self.climb(start, height, beyond)) else {
-            return;
-        };
-        if top.height_m >= -margin_m - 1e-3 * SAME * self.size_m {
-            self.keep_from(0, top, depth, point);
-        }
-    }
-
-    /// Climbs, going on over joints while that leads up; `None`: beyond the edge of a side.
-    fn climb(
-        &self,
-        start: [f64; 2],
-        depth: impl Fn([f64; 2]) -> f64,
-        beyond: impl Fn([f64; 2]) -> bool,
-    ) -> Option<ClimbTop> {
-        let climb = |from| self.map_at(from).climb(from, self.size_m, &depth, &beyond);
-        let mut top = climb(start)?;
-        let Some(joints) = &self.joints else {
-            return Some(top);
-        };
-        for _ in 0..MOST_CROSSED {
-            let higher = |x: &[f64; 2]| depth(*x) > top.height_m;
-            let Some(next) = joints.just_beyond(top.at, JUST_BEYOND).find(higher) else {
-                break;
-            };
-            let other = climb(next)?;
-            if other.height_m <= top.height_m {
-                break;
-            }
-            top = other;
-        }
-        Some(top)
-    }
-
-    /// A straight way of at least a height; between places of two patches there is none.
-    fn joined(
-        &self,
-        a: [f64; 2],
-        b: [f64; 2],
-        level: f64,
-        depth: impl FnMut([f64; 2]) -> f64,
-    ) -> bool {
-        let apart = self
-            .joints
-            .as_ref()
-            .is_some_and(|joints| joints.patch_at(a) != joints.patch_at(b));
-        !apart && self.map.joined(a, b, level, depth)
-    }
-
-    /// Keeps a top that no level way joins with one from `first` on; of two that are joined, the
-    /// higher.
-    fn keep_from(
-        &mut self,
-        first: usize,
-        top: ClimbTop,
-        depth: impl Fn([f64; 2]) -> f64,
-        point: impl Fn([f64; 2]) -> Point3,
-    ) {
-        for k in first..self.tops.len() {
-            let t = self.tops[k];
-            let equal = if t.settled && top.settled {
-                SAME
-            } else {
-                SAME_ROUGHLY
-            } * self.size_m;
-            let level = t.height_m.min(top.height_m) - equal;
-            // On a joint a top is found from either side.
-            let one_place = || {
-                self.joints.is_some()
-                    && (point(t.at) - point(top.at)).norm() <= ONE_PLACE * self.size_m
-            };
-            if (t.height_m - top.height_m).abs() <= equal
-                && (self.joined(t.at, top.at, level, &depth) || one_place())
-            {
-                if top.height_m > t.height_m {
-                    self.tops[k] = top;
-                }
-                return;
-            }
-        }
-        self.tops.push(top);
+        self.tops.finish(by_sides, field, &ground);
     }
 
     fn prune(&mut self, surface: &Surface, solver: &mut ClosestSolver, field: &impl DepthField) {
@@ -411,10 +219,10 @@ impl DepthSearch {
         depth: impl Fn([f64; 2]) -> f64,
         out: &mut ContactSet,
     ) {
-        self.starts.0.clear();
-        self.ridges.0.clear();
+        self.tops.starts.clear();
+        self.ridges.clear();
         let n = self.axes.each_ref().map(|a| a.len() as i64);
-        let wraps = self.map.wraps;
+        let wraps = self.tops.map.wraps;
         let neighbour = |x: i64, y: i64| {
             let outside = [x < 0 || x >= n[0], y < 0 || y >= n[1]];
             let none = (outside[0] && !wraps[0]) || (outside[1] && !wraps[1]);
@@ -426,7 +234,7 @@ impl DepthSearch {
                 self.axes[1][k % n[1] as usize],
             ]
         };
-        let joints = self.joints.as_deref();
+        let joints = self.tops.joints.as_deref();
         let mut complete = true;
         for k in 0..self.samples.len() {
             let (here, way) = self.samples[k];
@@ -454,7 +262,7 @@ impl DepthSearch {
                     })
                 });
             if highest {
-                complete &= self.starts.offer(here, at(k));
+                complete &= self.tops.starts.offer(here, at(k));
             }
             let beside = [neighbour(a, b + 1), neighbour(a + 1, b)];
             for other in beside.into_iter().flatten().filter(|_| ridges) {
@@ -472,7 +280,7 @@ impl DepthSearch {
         for k in 0..self.ridges.0.len() {
             let [from, to] = self.ridges.0[k].1;
             let (x, deep) = self.section(from, to, &depth);
-            complete &= self.starts.offer(deep, x);
+            complete &= self.tops.starts.offer(deep, x);
         }
         if !complete {
             out.note_dropped();
@@ -487,8 +295,12 @@ impl DepthSearch {
         depth: &impl Fn([f64; 2]) -> f64,
     ) -> ([f64; 2], f64) {
         const GOLDEN: f64 = 0.618_033_988_749_894_8;
-        let way = self.map.way(from, to);
-        let at = |t: f64| self.map.turn([from[0] + t * way[0], from[1] + t * way[1]]);
+        let way = self.tops.map.way(from, to);
+        let at = |t: f64| {
+            self.tops
+                .map
+                .turn([from[0] + t * way[0], from[1] + t * way[1]])
+        };
         let (mut low, mut high) = (0.0, 1.0);
         let (mut a, mut b) = (1.0 - GOLDEN, GOLDEN);
         let (mut at_a, mut at_b) = (depth(at(a)), depth(at(b)));

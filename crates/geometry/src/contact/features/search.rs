@@ -4,7 +4,8 @@ use super::edge::FIXED;
 use super::{Edge, Features};
 use crate::contact::{Contact, ContactSet, Reach, ToolPoint, distance_squared_to_box};
 use crate::math::{Point3, Pose, Vector3};
-use crate::surface::{ClosestPoint, ClosestSolver, Closing, Surface};
+use crate::skin::{Skin, SkinSolver};
+use crate::surface::{ClosestPoint, Closing, WarmFoot};
 
 /// Looks along a round edge, and most along another.
 const LOOKS: usize = 16;
@@ -23,10 +24,16 @@ const NO_SLOPE: f64 = 1e-13;
 const DEEPER: f64 = 1e-7;
 /// Normals of two smooth places that touch agree by this cosine (0.8°): what queries leave over is less.
 const AGREE: f64 = 1.0 - 1e-4;
+/// Where the way to a point turns from the normal of a part by more than this, the foot is on an edge or a corner.
+const TURNED: f64 = 1e-6;
+/// Of the size: a foot this near to a rim of a part is on it.
+const RIM: f64 = 1e-9;
+/// Looks along the size of a part.
+const LOOKS_OF_PART: f64 = 8.0;
 /// Beyond an open rim a foot is straight below its point within this cosine.
 const STRAIGHT: f64 = 1.0 - 1e-6;
 
-/// Scratch for the features of one tool against one surface. Nothing in it outlives a query.
+/// Scratch for the features of one tool against one body. Nothing in it outlives a query.
 #[derive(Clone, Debug)]
 pub struct FeatureSearch {
     size_m: f64,
@@ -64,8 +71,8 @@ pub(super) fn ball_around(points: &[Point3]) -> (Point3, f64) {
 
 /// The body as features see it.
 struct Below<'a> {
-    surface: &'a Surface,
-    solver: &'a mut ClosestSolver,
+    skin: &'a Skin,
+    solver: &'a mut SkinSolver,
     side: f64,
     open: [bool; 2],
 }
@@ -81,9 +88,12 @@ impl Below<'_> {
             return None;
         }
         // At a crease or a rim the surface has none of its own.
-        let smooth = || self.surface.is_smooth_at(foot.u, foot.v);
+        let smooth = |way: &Vector3| match self.skin {
+            Skin::Surface(surface) => surface.is_smooth_at(foot.u, foot.v),
+            Skin::Part(_) => (way - own).norm() <= TURNED,
+        };
         let normal = match way.try_normalize(0.0) {
-            Some(n) if foot.distance > 1e-9 * foot.point.coords.amax() && !smooth() => n,
+            Some(n) if foot.distance > 1e-9 * foot.point.coords.amax() && !smooth(&n) => n,
             _ => own,
         };
         Some(Contact {
@@ -100,10 +110,11 @@ impl Below<'_> {
 
     /// At an end of the surface that does not close.
     fn on_rim(&self, foot: &ClosestPoint) -> bool {
-        let ends = [
-            (self.surface.knots_u(), foot.u),
-            (self.surface.knots_v(), foot.v),
-        ];
+        let surface = match self.skin {
+            Skin::Surface(surface) => surface,
+            Skin::Part(_) => return self.skin.ends_at(foot, RIM * self.skin.size_m()),
+        };
+        let ends = [(surface.knots_u(), foot.u), (surface.knots_v(), foot.v)];
         let at_end = ends.map(|(knots, t)| {
             let (start, end) = knots.domain();
             t <= start || t >= end
@@ -116,7 +127,23 @@ impl Below<'_> {
     }
 
     fn closest(&mut self, p: &Point3) -> ClosestPoint {
-        self.solver.closest(self.surface, p)
+        self.solver.closest(self.skin, p)
+    }
+
+    /// The foot of a point close to another, of which the foot is known. Of a part, descent may end on a face behind an
+    /// edge, which is not the nearest.
+    fn foot_near(&mut self, p: &Point3, last: &ClosestPoint, warm: &mut Warm) -> ClosestPoint {
+        match self.skin {
+            Skin::Surface(_) => {
+                let local = self.solver.local(self.skin, p, last.u, last.v);
+                local.unwrap_or(*last)
+            }
+            Skin::Part(_) => {
+                let moved_m = (p - warm.at).norm();
+                warm.at = *p;
+                (self.solver).closest_warm_moved(self.skin, p, moved_m, 0.0, &mut warm.foot)
+            }
+        }
     }
 
     /// Slope of the distance along a way.
@@ -125,20 +152,28 @@ impl Below<'_> {
     }
 }
 
+/// Of a part: the last foot, and of which point.
+struct Warm {
+    foot: WarmFoot,
+    at: Point3,
+}
+
 impl FeatureSearch {
     /// Makes room for the features of a tool.
-    pub fn new(surface: &Surface, features: &Features) -> Self {
-        let size_m = surface.size();
-        let spans = [surface.knots_u(), surface.knots_v()].map(|knots| knots.spans().count());
-        let most = spans[0].max(spans[1]).max(1) as f64;
+    pub fn new(skin: &Skin, features: &Features) -> Self {
+        let size_m = skin.size_m();
+        let looks = skin.surface().map_or(LOOKS_OF_PART, |surface| {
+            let spans = [surface.knots_u(), surface.knots_v()].map(|knots| knots.spans().count());
+            LOOKS_OF_SPAN * spans[0].max(spans[1]).max(1) as f64
+        });
+        let ends = skin.surface().map(|surface| surface.topology().closing);
         Self {
             size_m,
-            spacing_m: size_m / (LOOKS_OF_SPAN * most),
-            closed: surface.topology().is_closed(),
-            open: surface
-                .topology()
-                .closing
-                .map(|closing| closing == Closing::Open),
+            spacing_m: size_m / looks,
+            closed: skin.is_closed(),
+            open: ends.map_or([false; 2], |ends| {
+                ends.map(|closing| closing == Closing::Open)
+            }),
             corners: vec![
                 CornerGap {
                     least_m: f64::INFINITY,
@@ -162,8 +197,8 @@ impl FeatureSearch {
         &mut self,
         features: &Features,
         pose: &Pose,
-        surface: &Surface,
-        solver: &mut ClosestSolver,
+        skin: &Skin,
+        solver: &mut SkinSolver,
         reach: &Reach,
     ) {
         let (side, size_m, spacing_m) = (reach.side(), self.size_m, self.spacing_m);
@@ -175,7 +210,7 @@ impl FeatureSearch {
             ..
         } = self;
         set.clear();
-        let points = surface.net().points();
+        let points = skin.points();
         let (low, high) = points
             .iter()
             .fold((points[0], points[0]), |(l, h), p| (l.inf(p), h.sup(p)));
@@ -184,7 +219,7 @@ impl FeatureSearch {
         let away_m = |p: &Point3| distance_squared_to_box(p, &low, &high).sqrt();
         let near = |p: &Point3, radius_m: f64| away_m(p) <= radius_m + within_m;
         let mut below = Below {
-            surface,
+            skin,
             solver,
             side,
             open,
@@ -235,15 +270,20 @@ impl FeatureSearch {
         &mut self,
         features: &Features,
         pose: &Pose,
-        surface: &Surface,
-        solver: &mut ClosestSolver,
+        skin: &Skin,
+        solver: &mut SkinSolver,
         reach: &Reach,
         set: &mut ContactSet,
     ) {
         let side = reach.side();
         let agree = |c: &&Contact| {
-            let own = || (surface.normal(c.u, c.v) * side).dot(&c.normal) >= AGREE;
-            !surface.is_smooth_at(c.u, c.v) || own()
+            let own = || (skin.normal(c.u, c.v) * side).dot(&c.normal) >= AGREE;
+            let smooth = match skin {
+                Skin::Surface(surface) => surface.is_smooth_at(c.u, c.v),
+                // Within a face; edges and corners have no normal of their own.
+                Skin::Part(_) => c.point == ToolPoint::Found,
+            };
+            !smooth || own()
         };
         self.tops.clear();
         self.tops.extend(set.contacts().iter().filter(agree));
@@ -252,7 +292,7 @@ impl FeatureSearch {
         for top in &self.tops {
             let place = pose.inverse_transform_point(&top.on_tool);
             let beside = pose * features.nearest(&place);
-            let beside_m = -side * solver.closest(surface, &beside).signed_distance;
+            let beside_m = -side * solver.closest(skin, &beside).signed_distance;
             let by_m = top.depth_m - beside_m;
             if by_m > DEEPER * self.size_m {
                 set.push(Contact {
@@ -313,24 +353,28 @@ fn along(
             push(set, reach, below.contact(&foot, &p, ToolPoint::Round));
         }
     }
-    let depth_m = |k: usize| {
-        feet[k].map_or(f64::NEG_INFINITY, |(foot, _)| {
-            -below.side * foot.signed_distance
-        })
-    };
+    let side = below.side;
+    let depth_m =
+        |k: usize| feet[k].map_or(f64::NEG_INFINITY, |(foot, _)| -side * foot.signed_distance);
     for k in 0..looks {
         let [Some((foot, from)), Some((_, to))] = [feet[k], feet[k + 1]] else {
             continue;
         };
-        let level = from.abs() < LEVEL && to.abs() < LEVEL;
-        if level || from >= 0.0 || to < 0.0 {
-            continue;
-        }
+        // An edge may come to a face that it lies on from then on, or leave one.
+        let is_level = |slope: f64| slope.abs() <= LEVEL;
+        let was_level = k == 0 || feet[k - 1].is_some_and(|(_, slope)| is_level(slope));
+        let shift = match (from < -LEVEL, to > LEVEL) {
+            (true, true) => 0.0,
+            (true, false) if is_level(to) => -LEVEL,
+            (false, true) if is_level(from) && was_level => LEVEL,
+            _ => continue,
+        };
         let (foot, p) = least(
             below,
             &point,
             length_m,
             [(at(k), from), (at(k + 1), to)],
+            shift,
             foot,
         );
         let beside = if edge.is_round() {
@@ -339,7 +383,7 @@ fn along(
         } else {
             [0, looks]
         };
-        let least_m = -below.side * foot.signed_distance;
+        let least_m = -side * foot.signed_distance;
         let by_m = (least_m - depth_m(beside[0]).max(depth_m(beside[1]))).max(0.0);
         push(
             set,
@@ -349,28 +393,37 @@ fn along(
     }
 }
 
-/// Where the slope along an edge is none, between two places of which it is known.
+/// Where the slope along an edge is `shift`, between two places of which it is known.
 fn least(
-    below: &Below<'_>,
+    below: &mut Below<'_>,
     point: &impl Fn(f64) -> (Point3, Vector3),
     length_m: f64,
     [(mut low, mut at_low), (mut high, mut at_high)]: [(f64, f64); 2],
+    shift: f64,
     mut foot: ClosestPoint,
 ) -> (ClosestPoint, Point3) {
     let mut p = point(low).0;
+    (at_low, at_high) = (at_low - shift, at_high - shift);
+    let mut warm = Warm {
+        foot: WarmFoot::default(),
+        at: p,
+    };
+    let mut level = None;
     for step in 0..STEPS {
-        let t = if step % 3 == 2 {
+        let t = if step % 3 == 2 || shift != 0.0 {
             0.5 * (low + high)
         } else {
             low + (high - low) * (at_low / (at_low - at_high))
         };
         let (here, way) = point(t);
         p = here;
-        let (surface, solver) = (below.surface, &*below.solver);
-        foot = solver.local(surface, &p, foot.u, foot.v).unwrap_or(foot);
-        let slope = below.slope(&foot, &way) / length_m;
+        foot = below.foot_near(&p, &foot, &mut warm);
+        let slope = below.slope(&foot, &way) / length_m - shift;
         if slope.abs() < NO_SLOPE || high - low < 1e-15 {
             break;
+        }
+        if slope * shift < 0.0 {
+            level = Some((foot, p));
         }
         if slope < 0.0 {
             (low, at_low) = (t, slope);
@@ -378,7 +431,8 @@ fn least(
             (high, at_high) = (t, slope);
         }
     }
-    (foot, p)
+    // Where what is level begins or ends, the last place on it.
+    level.unwrap_or((foot, p))
 }
 
 fn push(set: &mut ContactSet, reach: &Reach, contact: Option<Contact>) {

@@ -21,7 +21,7 @@ fn solid(shape: &ImplicitShape) -> ToolShape {
 fn contacts(surface: &Surface, shape: &ToolShape, pose: &Pose) -> Vec<Contact> {
     let skin = &Skin::from(surface.clone());
     let mut solver = SkinSolver::new(skin);
-    let mut narrow = Narrow::new(skin, Party::Tool(shape), Method::Exact).unwrap();
+    let mut narrow = Narrow::new(skin.into(), Party::Tool(shape), Method::Exact).unwrap();
     let solver = &mut solver;
     let reach = Reach {
         margin_m: MARGIN_M,

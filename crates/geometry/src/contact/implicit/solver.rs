@@ -1,15 +1,15 @@
-//! Contacts of an implicit solid with a surface.
+//! Contacts of an implicit solid with a body.
 
 use super::shape::ImplicitTool;
-use crate::contact::depth::{DepthField, DepthSearch};
-use crate::contact::{Contact, ContactSet, Reach, ToolPoint};
+use crate::contact::depth::{DepthField, SkinDepths};
+use crate::contact::{Contact, ContactSet, Reach};
 use crate::math::{Matrix3, Point3, Pose, Vector3};
-use crate::surface::{ClosestSolver, Surface};
+use crate::skin::{Skin, SkinSolver};
 
-/// Scratch against one surface, sized once. Nothing in it outlives a query.
+/// Scratch against one body, sized once. Nothing in it outlives a query.
 #[derive(Clone, Debug)]
 pub struct ImplicitSolver {
-    search: DepthSearch,
+    search: SkinDepths,
 }
 
 /// The solid at its pose.
@@ -56,10 +56,10 @@ impl DepthField for PlacedShape<'_> {
 }
 
 impl ImplicitSolver {
-    /// Makes room for the pieces of a surface.
-    pub fn new(surface: &Surface, solver: &mut ClosestSolver) -> Self {
+    /// Makes room for the pieces of a surface, or the faces of a part.
+    pub fn new(skin: &Skin) -> Self {
         Self {
-            search: DepthSearch::new(surface, solver),
+            search: SkinDepths::new(skin),
         }
     }
 
@@ -67,8 +67,8 @@ impl ImplicitSolver {
     /// finite touches nothing. Both sides of an open sheet are alike to a solid.
     pub fn contacts(
         &mut self,
-        surface: &Surface,
-        solver: &mut ClosestSolver,
+        skin: &Skin,
+        solver: &mut SkinSolver,
         tool: &ImplicitTool,
         pose: &Pose,
         reach: &Reach,
@@ -95,13 +95,12 @@ impl ImplicitSolver {
             tool,
             pose,
             turn,
-            grow_m: reach.margin_m + 1e-12 * self.search.size_m,
+            grow_m: reach.margin_m + 1e-12 * self.search.size_m(),
         };
         self.search
-            .search(surface, solver, &field, reach.margin_m, beside, out);
-        for top in &self.search.tops {
-            let [u, v] = top.at;
-            let on_body = surface.point(u, v);
+            .search(skin, solver, &field, reach.margin_m, beside, out);
+        for top in self.search.found(skin) {
+            let ([u, v], on_body) = (top.place, top.point);
             let Some(stand) = tool.stand(&pose.inverse_transform_point(&on_body)) else {
                 continue;
             };
@@ -115,11 +114,11 @@ impl ImplicitSolver {
                 normal,
                 depth_m: stand.depth_m,
                 tool_uv: None,
-                point: ToolPoint::Found,
+                point: top.mark,
             });
         }
         if out.deepest().is_some() {
-            self.search.patches.report(&self.search.reached, out);
+            self.search.report(out);
         }
     }
 }

@@ -5,6 +5,7 @@ use crate::basis::testing::Random;
 use crate::contact::exact::{ExactScratch, ball, plane};
 use crate::contact::{ContactSet, Reach};
 use crate::math::{Point3, Pose, Rotation, Vector3};
+use crate::skin::{Skin, SkinSolver};
 use crate::surface::{ClosestSolver, Surface, builtin};
 
 const TEXTS: [&str; 12] = [
@@ -143,10 +144,11 @@ fn a_wrong_text_says_where_and_what_would_help() {
 }
 
 fn touch(surface: &Surface, shape: &ImplicitShape, pose: &Pose, reach: &Reach) -> ContactSet {
-    let mut solver = ClosestSolver::new(surface);
-    let mut implicit = ImplicitSolver::new(surface, &mut solver);
+    let skin = Skin::from(surface.clone());
+    let mut solver = SkinSolver::new(&skin);
+    let mut implicit = ImplicitSolver::new(&skin);
     let (tool, mut out) = (shape.compile().unwrap(), ContactSet::new());
-    implicit.contacts(surface, &mut solver, &tool, pose, reach, &[], &mut out);
+    implicit.contacts(&skin, &mut solver, &tool, pose, reach, &[], &mut out);
     for c in out.contacts() {
         let scale = surface.size() + c.on_body.coords.amax();
         assert!(

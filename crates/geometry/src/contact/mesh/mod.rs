@@ -47,6 +47,8 @@ pub struct MeshTool {
     size_m: f64,
     /// What the triangles stand for.
     part: Option<Arc<Part>>,
+    /// How far its triangles are from it, m.
+    off_m: f64,
 }
 
 impl std::fmt::Debug for MeshTool {
@@ -112,6 +114,7 @@ impl MeshTool {
             volume_m3: sound.volume_m3,
             size_m: sound.size_m,
             part: None,
+            off_m: 0.0,
         })
     }
 
@@ -128,13 +131,17 @@ impl MeshTool {
             reason: e.to_string(),
         };
         let tolerance_m = TOLERANCE * part.size_m();
-        let PartMesh { mesh, .. } = part
+        let PartMesh {
+            mesh, deviation_m, ..
+        } = part
             .triangles(tolerance_m, MOST_TRIANGLES)
             .or_else(|_| part.triangles(16.0 * tolerance_m, MOST_TRIANGLES))
             .map_err(refused)?;
         let mut tool = Self::new(&mesh.points, &mesh.triangles)?;
         tool.features = Features::of_part(&part);
         tool.planes.clear();
+        // It is measured in the middle of triangles and of their sides.
+        tool.off_m = 2.0 * deviation_m + part.gap_m();
         tool.part = Some(part);
         Ok(tool)
     }

@@ -1,4 +1,4 @@
-//! Contacts of a mesh with a surface.
+//! Contacts of a mesh with a body.
 //!
 //! Two kinds: a vertex of the mesh inside the body, deeper than the vertices beside it; and a point
 //! of the surface inside the mesh, deeper than the surface around it. A region of overlap has one
@@ -7,52 +7,88 @@
 //! hollowed out to its shape; there the second kind still finds the region.)
 
 use super::{BLOCK, MeshTool};
-use crate::contact::depth::{DepthField, DepthSearch};
+use crate::contact::depth::{DepthField, SkinDepths};
 use crate::contact::{Contact, ContactSet, MAX_CONTACTS, Reach, ToolPoint};
 use crate::math::{Point3, Pose, Vector3};
-use crate::part::PartSolver;
-use crate::surface::{ClosestPoint, ClosestSolver, Surface};
+use crate::part::{Part, PartFoot, PartSolver};
+use crate::skin::{Skin, SkinSolver};
+use crate::surface::{ClosestPoint, WarmFoot};
 use std::cell::RefCell;
 
 /// Closest points asked for in one query.
 const MOST_QUERIES: usize = 4_096;
 
-/// Scratch for one mesh against one surface, sized once. Nothing in it outlives a query.
+/// Scratch for one mesh against one body, sized once. Nothing in it outlives a query.
 #[derive(Clone, Debug)]
 pub struct MeshSolver {
-    search: DepthSearch,
+    search: SkinDepths,
     closed: bool,
     /// (vertices): depth in the body, m; −∞ where it is outside by more than the margin.
     depths: Vec<f64>,
     corners: Vec<Contact>,
     /// Of a tool that is a part.
-    part: Option<Box<RefCell<PartSolver>>>,
+    part: Option<Box<RefCell<Asked>>>,
+}
+
+/// What a part was asked last, from which the next answer is near.
+#[derive(Clone, Debug)]
+struct Asked {
+    solver: PartSolver,
+    warm: WarmFoot,
+    at: Point3,
+}
+
+impl Asked {
+    fn new(part: &Part) -> Self {
+        Self {
+            solver: PartSolver::new(part),
+            warm: WarmFoot::default(),
+            at: Point3::origin(),
+        }
+    }
+
+    fn foot(&mut self, part: &Part, p: &Point3) -> Option<PartFoot> {
+        let moved_m = (p - self.at).norm();
+        self.at = *p;
+        (self.solver).closest_warm_moved(part, p, moved_m, &mut self.warm)
+    }
 }
 
 /// How far points are from a tool, m.
 #[derive(Clone, Copy)]
 struct Distance<'a> {
     tool: &'a MeshTool,
-    part: Option<&'a RefCell<PartSolver>>,
+    part: Option<&'a RefCell<Asked>>,
 }
 
 impl Distance<'_> {
     /// Signed distance of a point of the tool's frame, m, negative inside, and the unit way out there.
     fn signed(&self, p: &Point3) -> (f64, Vector3) {
         match (self.part, &self.tool.part) {
-            (Some(solver), Some(part)) => match solver.borrow_mut().closest(part, p) {
-                Some(foot) => {
-                    let gap_m = foot.signed_distance.unwrap_or(foot.distance);
-                    let way = (p - foot.point) * gap_m.signum();
-                    let near_m = 1e-12 * self.tool.size_m;
-                    let out = (foot.distance > near_m).then(|| way / foot.distance);
-                    (gap_m, out.unwrap_or(foot.normal))
-                }
-                None => (f64::INFINITY, Vector3::z()),
-            },
+            (Some(asked), Some(part)) => {
+                let foot = asked.borrow_mut().foot(part, p);
+                of_foot(self.tool, p, foot)
+            }
             _ => self.tool.signed_distance(p),
         }
     }
+
+    /// The distance to the triangles is off by no more, m.
+    fn off_m(&self) -> f64 {
+        self.part.map_or(0.0, |_| self.tool.off_m)
+    }
+}
+
+/// Signed distance of a point of a part's frame with its foot, m, negative inside, and the unit way out there.
+fn of_foot(tool: &MeshTool, p: &Point3, foot: Option<PartFoot>) -> (f64, Vector3) {
+    let Some(foot) = foot else {
+        return (f64::INFINITY, Vector3::z());
+    };
+    let gap_m = foot.signed_distance.unwrap_or(foot.distance);
+    let way = (p - foot.point) * gap_m.signum();
+    let near_m = 1e-12 * tool.size_m;
+    let out = (foot.distance > near_m).then(|| way / foot.distance);
+    (gap_m, out.unwrap_or(foot.normal))
 }
 
 struct PlacedMesh<'a> {
@@ -62,6 +98,11 @@ struct PlacedMesh<'a> {
 }
 
 impl PlacedMesh<'_> {
+    fn to_triangles(&self, p: &Point3) -> (f64, Vector3) {
+        let p = self.pose.inverse_transform_point(p);
+        self.distance.tool.signed_distance(&p)
+    }
+
     fn signed(&self, p: &Point3) -> (f64, Vector3) {
         self.distance.signed(&self.pose.inverse_transform_point(p))
     }
@@ -70,11 +111,12 @@ impl PlacedMesh<'_> {
 impl DepthField for PlacedMesh<'_> {
     fn may_reach(&self, centre: &Point3, half: &Vector3) -> bool {
         // No point of the box is nearer than its centre less its radius.
-        self.signed(centre).0 <= half.norm() * (1.0 + 1e-9) + self.margin_m
+        let most_m = half.norm() * (1.0 + 1e-9) + self.margin_m + self.distance.off_m();
+        self.to_triangles(centre).0 <= most_m
     }
 
     fn rough(&self, p: &Point3) -> (f64, Vector3) {
-        let (gap_m, out) = self.signed(p);
+        let (gap_m, out) = self.to_triangles(p);
         (-gap_m, out)
     }
 
@@ -91,8 +133,8 @@ impl DepthField for PlacedMesh<'_> {
             return None;
         }
         let tool = self.distance.tool;
-        if let (Some(solver), Some(part)) = (self.distance.part, &tool.part) {
-            let foot = solver.borrow_mut().closest(part, &p)?;
+        if let (Some(asked), Some(part)) = (self.distance.part, &tool.part) {
+            let foot = asked.borrow_mut().foot(part, &p)?;
             return part.plane_at(foot.support).map(|(face, ..)| face as usize);
         }
         let triangle = tool.triangles.nearest(&p);
@@ -117,30 +159,45 @@ impl DepthField for PlacedMesh<'_> {
 }
 
 impl MeshSolver {
-    /// Makes room for the vertices of a mesh and the pieces of a surface.
-    pub fn new(surface: &Surface, solver: &mut ClosestSolver, tool: &MeshTool) -> Self {
+    /// Makes room for the vertices of a mesh and the pieces of a surface, or the faces of a part.
+    pub fn new(skin: &Skin, tool: &MeshTool) -> Self {
         Self {
-            search: DepthSearch::new(surface, solver),
-            closed: surface.topology().is_closed(),
+            search: SkinDepths::new(skin),
+            closed: skin.is_closed(),
             depths: vec![f64::NEG_INFINITY; tool.vertices.len()],
             corners: Vec::with_capacity(MAX_CONTACTS),
-            part: (tool.part.as_deref()).map(|part| Box::new(RefCell::new(PartSolver::new(part)))),
+            part: (tool.part.as_deref()).map(|part| Box::new(RefCell::new(Asked::new(part)))),
         }
     }
 
     /// Gap of a world point to the tool at a pose, m, and the unit vector towards the tool's matter.
     pub fn signed_gap(&self, tool: &MeshTool, pose: &Pose, point: &Point3) -> (f64, Vector3) {
-        let part = self.part.as_deref();
-        let (gap_m, out) = Distance { tool, part }.signed(&pose.inverse_transform_point(point));
+        let p = pose.inverse_transform_point(point);
+        let (gap_m, out) = match (self.part.as_deref(), &tool.part) {
+            // What was asked before must not count.
+            (Some(asked), Some(part)) => {
+                let foot = asked.borrow_mut().solver.closest(part, &p);
+                of_foot(tool, &p, foot)
+            }
+            _ => tool.signed_distance(&p),
+        };
         (gap_m, -(pose.rotation * out))
+    }
+
+    /// The place of the part, if the tool is one, that is nearest to a world point.
+    pub fn place(&mut self, tool: &MeshTool, pose: &Pose, point: &Point3) -> Option<[f64; 2]> {
+        let asked = self.part.as_deref_mut()?.get_mut();
+        let p = pose.inverse_transform_point(point);
+        let foot = asked.solver.closest(tool.part.as_deref()?, &p)?;
+        Some(foot.place)
     }
 
     /// Contacts with a mesh at a pose, deepest first; `out` is cleared first; `beside`: contacts of the tool's edges. A pose that is not
     /// finite touches nothing.
     pub fn contacts(
         &mut self,
-        surface: &Surface,
-        solver: &mut ClosestSolver,
+        skin: &Skin,
+        solver: &mut SkinSolver,
         tool: &MeshTool,
         pose: &Pose,
         reach: &Reach,
@@ -163,6 +220,9 @@ impl MeshSolver {
             "scratch of another mesh"
         );
         let part = self.part.take();
+        if let Some(asked) = part.as_deref() {
+            asked.borrow_mut().warm = WarmFoot::default();
+        }
         let distance = Distance {
             tool,
             part: part.as_deref(),
@@ -173,27 +233,19 @@ impl MeshSolver {
             margin_m: reach.margin_m,
         };
         self.search
-            .search(surface, solver, &field, reach.margin_m, beside, out);
-        self.vertices(surface, solver, tool, pose, reach, out);
-        let level_m = -1e-9 * self.search.size_m;
-        let depth = |x: [f64; 2]| field.depth_m(&surface.point(x[0], x[1]));
-        for k in 0..self.corners.len() {
-            let corner = self.corners[k];
-            let (map, tops) = (&self.search.map, &mut self.search.tops);
-            let level_m = level_m.min(corner.depth_m - reach.margin_m);
-            let same = |at: [f64; 2]| map.joined([corner.u, corner.v], at, level_m, depth);
-            if tops
-                .iter()
-                .any(|t| t.height_m > corner.depth_m && same(t.at))
-            {
-                continue;
+            .search(skin, solver, &field, reach.margin_m, beside, out);
+        self.vertices(skin, solver, tool, pose, reach, out);
+        let level_m = -1e-9 * self.search.size_m();
+        let depth = |x: [f64; 2]| field.depth_m(&skin.point(x[0], x[1]));
+        for corner in &self.corners {
+            let (at, depth_m) = ([corner.u, corner.v], corner.depth_m);
+            let level_m = level_m.min(depth_m - reach.margin_m);
+            if self.search.keeps(at, depth_m, level_m, depth) {
+                out.push(*corner);
             }
-            tops.retain(|t| !same(t.at));
-            out.push(corner);
         }
-        for top in &self.search.tops {
-            let [u, v] = top.at;
-            let on_body = surface.point(u, v);
+        for top in self.search.found(skin) {
+            let ([u, v], on_body) = (top.place, top.point);
             let (gap_m, way) = field.signed(&on_body);
             let normal = -(pose.rotation * way);
             let on_tool = on_body + normal * gap_m;
@@ -205,11 +257,11 @@ impl MeshSolver {
                 normal,
                 depth_m: -gap_m,
                 tool_uv: None,
-                point: ToolPoint::Found,
+                point: top.mark,
             });
         }
         if out.deepest().is_some() {
-            self.search.patches.report(&self.search.reached, out);
+            self.search.report(out);
         }
         self.part = part;
     }
@@ -217,8 +269,8 @@ impl MeshSolver {
     /// Vertices that are deeper in the body than those beside them.
     fn vertices(
         &mut self,
-        surface: &Surface,
-        solver: &mut ClosestSolver,
+        skin: &Skin,
+        solver: &mut SkinSolver,
         tool: &MeshTool,
         pose: &Pose,
         reach: &Reach,
@@ -229,9 +281,9 @@ impl MeshSolver {
         // A sheet has no inside to be in the box of: a vertex may be as far behind it as the mesh
         // is large.
         let behind_m = if self.closed { 0.0 } else { tool.size_m };
-        let (low, high) = bounds(surface, reach.margin_m + behind_m);
-        let gap = |solver: &mut ClosestSolver, p: &Point3| {
-            reach.side() * solver.closest(surface, p).signed_distance
+        let (low, high) = bounds(skin, reach.margin_m + behind_m);
+        let gap = |solver: &mut SkinSolver, p: &Point3| {
+            reach.side() * solver.closest(skin, p).signed_distance
         };
         let mut queries = 0;
         let mut complete = true;
@@ -278,7 +330,7 @@ impl MeshSolver {
                 continue;
             }
             let p = pose * tool.vertices[k];
-            let foot = solver.closest(surface, &p);
+            let foot = solver.closest(skin, &p);
             let Some(corner) = corner(&foot, &p, reach.side(), self.closed) else {
                 continue;
             };
@@ -326,9 +378,9 @@ fn corner(foot: &ClosestPoint, p: &Point3, side: f64, closed: bool) -> Option<Co
     })
 }
 
-/// Box of the net, grown.
-fn bounds(surface: &Surface, grow_m: f64) -> (Point3, Point3) {
-    let points = surface.net().points();
+/// Box of the points around it, grown.
+fn bounds(skin: &Skin, grow_m: f64) -> (Point3, Point3) {
+    let points = skin.points();
     let (low, high) = points
         .iter()
         .fold((points[0], points[0]), |(l, h), p| (l.inf(p), h.sup(p)));

@@ -4,6 +4,7 @@ use super::{MeshError, MeshSolver, MeshTool};
 use crate::basis::testing::Random;
 use crate::contact::{ContactSet, Reach};
 use crate::math::{Point3, Pose, Rotation, Vector3};
+use crate::skin::{Skin, SkinSolver};
 use crate::surface::{ClosestSolver, Surface, builtin};
 
 const CUBE: [[u32; 3]; 12] = [
@@ -172,10 +173,11 @@ fn to_triangle(p: &Point3, a: &Point3, b: &Point3, c: &Point3) -> f64 {
 }
 
 fn touch(surface: &Surface, tool: &MeshTool, pose: &Pose, reach: &Reach) -> ContactSet {
-    let mut solver = ClosestSolver::new(surface);
-    let mut mesh = MeshSolver::new(surface, &mut solver, tool);
+    let skin = Skin::from(surface.clone());
+    let mut solver = SkinSolver::new(&skin);
+    let mut mesh = MeshSolver::new(&skin, tool);
     let mut out = ContactSet::new();
-    mesh.contacts(surface, &mut solver, tool, pose, reach, &[], &mut out);
+    mesh.contacts(&skin, &mut solver, tool, pose, reach, &[], &mut out);
     for c in out.contacts() {
         let scale = surface.size() + c.on_body.coords.amax();
         assert!(

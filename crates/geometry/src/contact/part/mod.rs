@@ -3,14 +3,20 @@
 //! ```text
 //! ball    local minima of the distance of its centre, and the closest point where the centre is inside
 //! plane   local minima of the height above it, all corners of what lies on it
+//! solid   as a tool against surfaces and other parts: as a mesh that asks the part for distances
 //! ```
 //! Contacts name places of the part by the two numbers that [`Part::point`] takes. The closest point is always among them,
 //! so that no gap between faces, and no edge that is off them, lets a tool through.
 
 pub mod ball;
 pub mod plane;
+mod solid;
+#[cfg(test)]
+mod solid_tests;
 #[cfg(test)]
 mod tests;
+
+pub use solid::PartSolid;
 
 use crate::math::Pose;
 use crate::part::{Part, PartMinima, PartSolver};

@@ -115,6 +115,7 @@ pub(super) fn build(
                 size_m: skin.size_m(),
                 two_sided: !skin.is_closed(),
                 skin,
+                solid: None,
                 model: BodyModel::Rigid,
                 mover: mover?,
             });
@@ -155,6 +156,7 @@ pub(super) fn build(
     Some(Body {
         id: spec.id.clone(),
         skin: Skin::Surface(surface),
+        solid: None,
         original_net,
         size_m,
         two_sided,
