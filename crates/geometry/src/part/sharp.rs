@@ -1,15 +1,18 @@
-//! Edges and tips that stand out: with which a part touches where it has no normal.
+//! Edges and tips that stand out: with which a part touches where it has no normal; and those on which its flat faces end.
 
 use super::carrier::Carrier;
-use super::fan::frame;
+use super::fan::{beside, frame};
 use super::foot::Support;
-use super::part::Part;
+use super::part::{Part, Side};
 use crate::math::{Point3, Vector3};
 
 /// Places of an edge in each of its segments: what a cubic between two leaves over is below 1e-9 of a quarter circle.
 const PLACES: usize = 48;
 /// Places of an edge at which it is asked whether it stands out.
 const ASKED: usize = 9;
+/// Of the size: a step from the end of a flat face, and of the step, how far what goes on from there is below it.
+const STEP: f64 = 1e-3;
+const BELOW: f64 = 1e-6;
 
 /// An edge that stands out.
 pub(crate) struct SharpEdge {
@@ -20,8 +23,8 @@ pub(crate) struct SharpEdge {
 }
 
 impl Part {
-    /// Edges whose faces meet at a greater angle than that of a cosine, on the outside, and the apexes that no edge
-    /// reaches.
+    /// Edges whose faces meet at a greater angle than that of a cosine, on the outside, or at which a flat face ends and
+    /// goes on round; and the apexes that no edge reaches.
     pub(crate) fn sharp_edges(&self, cosine: f64) -> (Vec<SharpEdge>, Vec<Point3>) {
         let stands_out = |k: usize, at: (usize, f64)| {
             let edge = &self.edges[k];
@@ -29,12 +32,22 @@ impl Part {
                 return false;
             };
             let tangent = edge.curve.slope(at).normalize();
-            let [Some((_, n, _)), Some((_, m, inward))] =
+            let [Some((uv, n, out)), Some((st, m, inward))] =
                 [one, other].map(|side| frame(self, edge, side, at, &tangent))
             else {
                 return false;
             };
-            n.dot(&m) < cosine && n.dot(&inward) < 0.0
+            if n.dot(&m) < cosine {
+                return n.dot(&inward) < 0.0;
+            }
+            let step_m = STEP * self.size_m();
+            let ends = |flat: &Side, on: &Side, normal: &Vector3, uv: [f64; 2], way: &Vector3| {
+                let [flat, on] = [flat, on].map(|side| &self.faces[side.face as usize]);
+                let flat = matches!(flat.carrier, Carrier::Plane(_));
+                flat && !matches!(on.carrier, Carrier::Plane(_))
+                    && beside(on, uv, &(way * step_m)).dot(normal) < -BELOW * step_m
+            };
+            ends(one, other, &n, st, &inward) || ends(other, one, &m, uv, &out)
         };
         let edges = (0..self.edges.len()).filter(|&k| {
             let edge = &self.edges[k];

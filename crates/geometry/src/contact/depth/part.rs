@@ -24,6 +24,8 @@ const SECTIONS: usize = 40;
 const INTO: f64 = 1e-5;
 /// Of a step: what is less is not deeper.
 const RISES: f64 = 1e-6;
+/// What is tilted against a side of the solid by less, rad, lies on it with all its corners.
+const RESTING: f64 = 0.02;
 /// Of the size: depths this near to each other are equal, and what is as near is one place.
 const SAME: f64 = 1e-9;
 const ONE_PLACE: f64 = 1e-6;
@@ -455,7 +457,7 @@ impl PartDepths {
         let depth_m = field.depth_m(&point);
         let leads = |step: &Vector3| {
             let beside = placed.pose() * (corner.point + step);
-            field.depth_m(&beside) > depth_m + RISES * step.norm()
+            field.depth_m(&beside) > depth_m + RESTING * step.norm()
         };
         if depth_m >= -margin_m && !corner.beside.iter().any(leads) {
             let place = corner.place;

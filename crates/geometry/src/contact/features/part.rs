@@ -4,7 +4,7 @@ use super::{Curve, Edge, Features, SHARP};
 use crate::part::{Part, SharpEdge};
 
 impl Features {
-    /// Those of a part: edges that stand out sharper than 1°, and apexes.
+    /// Those of a part: edges that stand out sharper than 1° or at which flat faces end, and apexes.
     pub fn of_part(part: &Part) -> Self {
         let (edges, tips) = part.sharp_edges(SHARP);
         let size_m = part.size_m();
