@@ -1,5 +1,6 @@
 //! Which patch lies where, and how it is turned, so that edges meet.
 
+use super::rim::{Misfit, Rim, facing, facing_back};
 use super::turn::Turn;
 use super::{Arrangement, Edge, MergeError};
 use palpate_geometry::math::Point3;
@@ -34,16 +35,26 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// Lays the patches as asked, and refuses those that cannot be joined.
+    /// Lays the patches as asked, and refuses those that cannot be joined. A trimmed patch is joined where it ends.
     ///
     /// # Errors
     /// A count that does not fit, sides that are not edges, edges too far apart or meeting only in part.
-    pub(super) fn new(surfaces: &[Surface], arrangement: Arrangement) -> Result<Self, MergeError> {
+    pub(super) fn new(
+        surfaces: &[Surface],
+        arrangement: Arrangement,
+        rims: &[Option<Rims>],
+    ) -> Result<Self, MergeError> {
         let given = surfaces.len();
         if given < 2 {
             return Err(MergeError::TooFew { given });
         }
-        let grids: Vec<PatchGrid> = surfaces.iter().map(PatchGrid::new).collect();
+        let rims = rims
+            .iter()
+            .map(Option::as_ref)
+            .chain(std::iter::repeat(None));
+        let grids: Vec<PatchGrid> = (surfaces.iter().zip(rims))
+            .map(|(surface, rims)| PatchGrid::new(surface, rims))
+            .collect();
         let (layout, cost) = match arrangement {
             Arrangement::Closest | Arrangement::Edges(_) if given > 2 => {
                 return Err(MergeError::NoGrid { given });
@@ -90,16 +101,53 @@ impl Layout {
     }
 }
 
+/// What the trim of a patch leaves, as each of its edges sees it.
+pub(super) struct Rims(pub [Result<Option<Rim>, Misfit>; 4]);
+
+impl Rims {
+    pub(super) fn at(&self, edge: Edge) -> &Result<Option<Rim>, Misfit> {
+        &self.0[edge as usize]
+    }
+}
+
 /// Places of a patch, evenly in its parameters.
 struct PatchGrid {
     points: Vec<Point3>,
     size_m: f64,
     /// u, v go round, or both ends meet.
     closed: [bool; 2],
+    /// Edges that may be joined, of a trimmed patch; and where the patch ends before them.
+    trimmed: Option<Vec<(Edge, Option<[Point3; STEPS + 1]>)>>,
+}
+
+/// The edges at which a trimmed patch ends on a graph; if there are none, those at which rows may be left.
+fn ends(surface: &Surface, rims: &Rims) -> Vec<(Edge, Option<[Point3; STEPS + 1]>)> {
+    let rim = |edge| rims.at(edge).as_ref().ok()?.as_ref();
+    let at = |direction, f: f64| {
+        let knots = surface.knots(direction);
+        knots.domain().0 + knots.length() * f
+    };
+    let graphs = Edge::ALL.into_iter().filter_map(|edge| {
+        let graph = rim(edge)?.graph.as_ref().ok()?;
+        let points = std::array::from_fn(|k| {
+            let g = k as f64 / STEPS as f64;
+            let [u, v] = facing_back(edge, [graph.at(g), g]);
+            surface.point(at(Direction::U, u), at(Direction::V, v))
+        });
+        Some((edge, Some(points)))
+    });
+    let graphs: Vec<_> = graphs.collect();
+    if !graphs.is_empty() {
+        return graphs;
+    }
+    let some = |edge: &Edge| rim(*edge).is_none_or(|rim| rim.least > 0.0);
+    (Edge::ALL.into_iter().filter(some))
+        .map(|edge| (edge, None))
+        .collect()
 }
 
 impl PatchGrid {
-    fn new(surface: &Surface) -> Self {
+    fn new(surface: &Surface, rims: Option<&Rims>) -> Self {
         let at = |knots: &palpate_geometry::basis::KnotVector, k: usize| {
             knots.domain().0 + knots.length() * (k as f64 / STEPS as f64)
         };
@@ -118,10 +166,14 @@ impl PatchGrid {
             points,
             size_m: (high - low).norm(),
             closed,
+            trimmed: rims.map(|rims| ends(surface, rims)),
         }
     }
 
     fn edge(&self, turn: Turn, edge: Edge) -> [Point3; STEPS + 1] {
+        let source = turn.source(edge);
+        let trimmed = self.trimmed.as_deref().unwrap_or_default();
+        let end = (trimmed.iter()).find_map(|(at, points)| points.filter(|_| *at == source));
         std::array::from_fn(|k| {
             let along = k as f64 / STEPS as f64;
             let place = match edge {
@@ -130,9 +182,11 @@ impl PatchGrid {
                 Edge::V0 => [along, 0.0],
                 Edge::V1 => [along, 1.0],
             };
-            let [i, j] = turn
-                .back(place)
-                .map(|x| (x * STEPS as f64).round() as usize);
+            let place = turn.back(place);
+            if let Some(points) = end {
+                return points[(facing(source, place)[1] * STEPS as f64).round() as usize];
+            }
+            let [i, j] = place.map(|x| (x * STEPS as f64).round() as usize);
             self.points[i * (STEPS + 1) + j]
         })
     }
@@ -145,7 +199,9 @@ impl PatchGrid {
         } else {
             1
         }];
-        !closed && length(&self.edge(turn, edge)) > POINT * self.size_m
+        let allowed =
+            (self.trimmed.as_ref()).is_none_or(|ends| ends.iter().any(|(edge, _)| *edge == source));
+        allowed && !closed && length(&self.edge(turn, edge)) > POINT * self.size_m
     }
 }
 
