@@ -5,7 +5,7 @@ use super::fit::Ends;
 use super::ground::Ground;
 use super::knots::{Knots, interiors};
 use super::layout::Layout;
-use super::plan::{BlockRows, Line, MergePlan, fitted, seams};
+use super::plan::{BlockRows, Line, MergePlan};
 use super::search::{Choice, choose, parameters};
 use super::sheet::Sheet;
 use super::{Hidden, HideBy, MergeError, MergeMethod, MergeSpec, Merged, Turn};
@@ -70,22 +70,13 @@ impl Job {
 
     pub(super) fn merged(&self) -> Result<Merged, MergeError> {
         let lines = [self.line(0)?, self.line(1)?];
-        let (sheets, layout) = (&self.sheets, self.layout.clone());
-        let rows = lines.each_ref().map(|line| line.rows.clone());
-        let seams = seams(&lines);
-        let drawn = sheets.iter().any(|sheet| sheet.end.is_some());
-        let (surface, plan) = if drawn {
-            (fitted(sheets, &layout, &lines, self.ends)?, None)
-        } else {
-            let plan = MergePlan::new(sheets, layout.clone(), lines, self.ends);
-            (plan.combined(sheets)?, Some(plan))
-        };
+        let plan = MergePlan::new(&self.sheets, self.layout.clone(), lines, self.ends);
         Ok(Merged {
-            surface,
-            layout,
-            rows,
-            seams,
-            plan,
+            surface: plan.combined(&self.sheets)?,
+            layout: self.layout.clone(),
+            rows: [Direction::U, Direction::V].map(|d| plan.rows(d).to_vec()),
+            seams: plan.seams(),
+            plan: Some(plan),
             within_tolerance: None,
             readings: Vec::new(),
             hide_by: None,

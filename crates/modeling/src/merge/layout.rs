@@ -53,7 +53,9 @@ impl Layout {
             .map(Option::as_ref)
             .chain(std::iter::repeat(None));
         let grids: Vec<PatchGrid> = (surfaces.iter().zip(rims))
-            .map(|(surface, rims)| PatchGrid::new(surface, rims))
+            .map(|(surface, rims)| {
+                PatchGrid::new(surface, rims, arrangement == Arrangement::Closest)
+            })
             .collect();
         let (layout, cost) = match arrangement {
             Arrangement::Closest | Arrangement::Edges(_) if given > 2 => {
@@ -116,38 +118,42 @@ struct PatchGrid {
     size_m: f64,
     /// u, v go round, or both ends meet.
     closed: [bool; 2],
-    /// Edges that may be joined, of a trimmed patch; and where the patch ends before them.
-    trimmed: Option<Vec<(Edge, Option<[Point3; STEPS + 1]>)>>,
+    /// Of a trimmed patch: where it ends before an edge.
+    ends: Vec<(Edge, [Point3; STEPS + 1])>,
+    /// Edges at which it does not end.
+    barred: Vec<Edge>,
 }
 
-/// The edges at which a trimmed patch ends on a graph; if there are none, those at which rows may be left.
-fn ends(surface: &Surface, rims: &Rims) -> Vec<(Edge, Option<[Point3; STEPS + 1]>)> {
-    let rim = |edge| rims.at(edge).as_ref().ok()?.as_ref();
+/// Where lines to the edges of a patch end that end on a graph.
+fn ends(surface: &Surface, rims: &Rims) -> Vec<(Edge, [Point3; STEPS + 1])> {
     let at = |direction, f: f64| {
         let knots = surface.knots(direction);
         knots.domain().0 + knots.length() * f
     };
     let graphs = Edge::ALL.into_iter().filter_map(|edge| {
-        let graph = rim(edge)?.graph.as_ref().ok()?;
+        let graph = rims.at(edge).as_ref().ok()?.as_ref()?.graph.as_ref().ok()?;
         let points = std::array::from_fn(|k| {
             let g = k as f64 / STEPS as f64;
             let [u, v] = facing_back(edge, [graph.at(g), g]);
             surface.point(at(Direction::U, u), at(Direction::V, v))
         });
-        Some((edge, Some(points)))
+        Some((edge, points))
     });
-    let graphs: Vec<_> = graphs.collect();
-    if !graphs.is_empty() {
-        return graphs;
-    }
-    let some = |edge: &Edge| rim(*edge).is_none_or(|rim| rim.least > 0.0);
-    (Edge::ALL.into_iter().filter(some))
-        .map(|edge| (edge, None))
-        .collect()
+    graphs.collect()
+}
+
+/// All but the edges before which a patch ends; if there are none, those that no row of points reaches.
+fn barred(rims: &Rims, ends: &[(Edge, [Point3; STEPS + 1])]) -> Vec<Edge> {
+    let bars = |edge: &Edge| match rims.at(*edge) {
+        _ if !ends.is_empty() => ends.iter().all(|(end, _)| end != edge),
+        Ok(Some(rim)) => rim.least <= 0.0,
+        _ => false,
+    };
+    Edge::ALL.into_iter().filter(bars).collect()
 }
 
 impl PatchGrid {
-    fn new(surface: &Surface, rims: Option<&Rims>) -> Self {
+    fn new(surface: &Surface, rims: Option<&Rims>, any_edge: bool) -> Self {
         let at = |knots: &palpate_geometry::basis::KnotVector, k: usize| {
             knots.domain().0 + knots.length() * (k as f64 / STEPS as f64)
         };
@@ -156,6 +162,7 @@ impl PatchGrid {
         let points: Vec<Point3> = pairs
             .map(|(i, j)| surface.point(at(us, i), at(vs, j)))
             .collect();
+        let ends = rims.map_or_else(Vec::new, |rims| ends(surface, rims));
         let low = points.iter().fold(points[0], |low, p| low.inf(p));
         let high = points.iter().fold(points[0], |high, p| high.sup(p));
         let closed = surface
@@ -166,14 +173,14 @@ impl PatchGrid {
             points,
             size_m: (high - low).norm(),
             closed,
-            trimmed: rims.map(|rims| ends(surface, rims)),
+            barred: (rims.filter(|_| any_edge)).map_or_else(Vec::new, |rims| barred(rims, &ends)),
+            ends,
         }
     }
 
     fn edge(&self, turn: Turn, edge: Edge) -> [Point3; STEPS + 1] {
         let source = turn.source(edge);
-        let trimmed = self.trimmed.as_deref().unwrap_or_default();
-        let end = (trimmed.iter()).find_map(|(at, points)| points.filter(|_| *at == source));
+        let end = self.ends.iter().find(|(at, _)| *at == source);
         std::array::from_fn(|k| {
             let along = k as f64 / STEPS as f64;
             let place = match edge {
@@ -183,7 +190,7 @@ impl PatchGrid {
                 Edge::V1 => [along, 1.0],
             };
             let place = turn.back(place);
-            if let Some(points) = end {
+            if let Some((_, points)) = end {
                 return points[(facing(source, place)[1] * STEPS as f64).round() as usize];
             }
             let [i, j] = place.map(|x| (x * STEPS as f64).round() as usize);
@@ -199,9 +206,9 @@ impl PatchGrid {
         } else {
             1
         }];
-        let allowed =
-            (self.trimmed.as_ref()).is_none_or(|ends| ends.iter().any(|(edge, _)| *edge == source));
-        allowed && !closed && length(&self.edge(turn, edge)) > POINT * self.size_m
+        !self.barred.contains(&source)
+            && !closed
+            && length(&self.edge(turn, edge)) > POINT * self.size_m
     }
 }
 

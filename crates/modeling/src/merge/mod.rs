@@ -75,7 +75,7 @@ pub struct Merged {
     pub rows: [Vec<BlockRows>; 2],
     /// Where patches meet.
     pub seams: Vec<Seam>,
-    /// To merge the same patches again when their nets have moved; none of an exact merge, or where lines end on curves.
+    /// To merge the same patches again when their nets have moved; none of an exact merge.
     pub plan: Option<MergePlan>,
     /// Whether the tolerance was reached, when there was one.
     pub within_tolerance: Option<bool>,

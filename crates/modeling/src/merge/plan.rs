@@ -6,14 +6,16 @@
 //! P = Σ G_u P_patch G_vᵀ,   G_u = F_u A_u,   G_v = F_v A_v
 //! ```
 //! with small matrices that depend on knots and parameters only: the blendings at hand. A plan
-//! keeps them, so patches that move are merged again without sampling or fitting.
+//! keeps them, so patches that move are merged again without sampling or fitting. Where lines end on curves (`Sheet`)
+//! no product of matrices samples them: a plan then keeps knots and curves, and samples and fits anew.
 
 use super::axis::normalised;
 use super::fit::{Ends, LineFit};
 use super::ground::check_nets;
 use super::layout::Layout;
+use super::rim::Graph;
 use super::sheet::Sheet;
-use super::{MergeError, Seam};
+use super::{Edge, MergeError, Seam};
 use palpate_geometry::basis::{Blending, KnotVector};
 use palpate_geometry::math::{Point3, Vector3};
 use palpate_geometry::surface::{ControlNet, Direction, Surface};
@@ -52,8 +54,11 @@ impl Line {
 pub struct MergePlan {
     pub(super) layout: Layout,
     pub(super) lines: [Line; 2],
-    /// (places) of the matrices G for u and v, (merged count × patch count), row after row.
+    /// (places) of the matrices G for u and v, (merged count × patch count), row after row; none where lines end on curves.
     maps: Vec<[Map; 2]>,
+    /// (places) the curves on which lines end.
+    curves: Vec<Option<(Edge, Graph)>>,
+    ends: Ends,
     /// (places) control points of the turned patches.
     counts: Vec<[usize; 2]>,
 }
@@ -66,21 +71,24 @@ struct Map {
 }
 
 impl MergePlan {
-    /// `sheets` are the patches as the layout places them, whole.
+    /// `sheets` are the patches as the layout places them.
     pub(super) fn new(sheets: &[Sheet], layout: Layout, lines: [Line; 2], ends: Ends) -> Self {
-        let maps_u = maps(sheets, &layout, Direction::U, &lines[0], ends);
-        let maps_v = maps(sheets, &layout, Direction::V, &lines[1], ends);
-        let maps = maps_u
-            .into_iter()
-            .zip(maps_v)
-            .map(|(u, v)| [u, v])
-            .collect();
-        let counts = sheets.iter().map(Sheet::counts).collect();
+        let maps = if sheets.iter().any(|sheet| sheet.end.is_some()) {
+            Vec::new()
+        } else {
+            let maps_u = maps(sheets, &layout, Direction::U, &lines[0], ends);
+            let maps_v = maps(sheets, &layout, Direction::V, &lines[1], ends);
+            (maps_u.into_iter().zip(maps_v))
+                .map(|(u, v)| [u, v])
+                .collect()
+        };
         Self {
             layout,
             lines,
             maps,
-            counts,
+            curves: sheets.iter().map(|sheet| sheet.end.clone()).collect(),
+            ends,
+            counts: sheets.iter().map(Sheet::counts).collect(),
         }
     }
 
@@ -96,7 +104,13 @@ impl MergePlan {
 
     /// Where the merged surface was joined.
     pub fn seams(&self) -> Vec<Seam> {
-        seams(&self.lines)
+        let of = |direction| {
+            self.line(direction)
+                .seams
+                .iter()
+                .map(move |&at| Seam { direction, at })
+        };
+        of(Direction::U).chain(of(Direction::V)).collect()
     }
 
     fn line(&self, direction: Direction) -> &Line {
@@ -119,7 +133,7 @@ impl MergePlan {
                 columns,
             });
         }
-        let sheets = Sheet::laid(surfaces, &self.layout);
+        let mut sheets = Sheet::laid(surfaces, &self.layout);
         for (k, sheet) in sheets.iter().enumerate() {
             if sheet.counts() != self.counts[k] {
                 return Err(MergeError::OtherNet {
@@ -127,10 +141,16 @@ impl MergePlan {
                 });
             }
         }
+        for (sheet, curve) in sheets.iter_mut().zip(&self.curves) {
+            sheet.end.clone_from(curve);
+        }
         self.combined(&sheets)
     }
 
     pub(super) fn combined(&self, sheets: &[Sheet]) -> Result<Surface, MergeError> {
+        if self.maps.is_empty() {
+            return fitted(sheets, &self.layout, &self.lines, self.ends);
+        }
         let [rows, columns] = self.lines.each_ref().map(|line| line.knots.count());
         // From a point of their own: far from the origin nothing is lost.
         let origin = sheets[0].surface.net().points()[0];
@@ -161,15 +181,6 @@ impl MergePlan {
     }
 }
 
-/// Where patches meet along the lines.
-pub(super) fn seams(lines: &[Line; 2]) -> Vec<Seam> {
-    let of = |d: usize| {
-        let direction = [Direction::U, Direction::V][d];
-        lines[d].seams.iter().map(move |&at| Seam { direction, at })
-    };
-    of(0).chain(of(1)).collect()
-}
-
 /// The surface of fitted points, which are from an origin; its sides are those of the first patch.
 fn finished(
     [u, v]: &[Line; 2],
@@ -187,7 +198,7 @@ fn finished(
 }
 
 /// The surface fitted to points of patches whose lines end on curves: no product of matrices samples them.
-pub(super) fn fitted(
+fn fitted(
     sheets: &[Sheet],
     layout: &Layout,
     lines: &[Line; 2],

@@ -16,6 +16,19 @@ pub struct Reading {
     pub outcome: Result<Seen, MergeError>,
 }
 
+impl Reading {
+    /// As JSON, lengths in metres: `hidden`, with `deviation` and `lost_share`, or with why it was `refused`.
+    pub fn words(&self) -> serde_json::Value {
+        let hidden = self.hide_by.name();
+        match &self.outcome {
+            Ok(seen) => serde_json::json!({
+                "hidden": hidden, "deviation": seen.deviation, "lost_share": seen.lost_share(),
+            }),
+            Err(error) => serde_json::json!({ "hidden": hidden, "refused": error.to_string() }),
+        }
+    }
+}
+
 /// What a merged surface misses of what shows.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Seen {

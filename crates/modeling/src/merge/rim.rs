@@ -16,6 +16,8 @@ use super::Edge;
 const SHORTEST: f64 = 1e-3;
 /// Of the patch: nearer to the border, a crossing ends on it.
 const BORDER: f64 = 1e-6;
+/// Of the patch: a crossing that ends nearer to a side, where the other patch is narrower, goes on to it.
+const BESIDE: f64 = 0.02;
 
 /// What is wrong with a curve, and where: in fractions (u, v) of the patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -109,6 +111,12 @@ impl Rim {
         for chain in &mut chains {
             if chain.first().map(|p| p[1]) > chain.last().map(|p| p[1]) {
                 chain.reverse();
+            }
+            if let Some(&[f, _]) = chain.first().filter(|p| p[1] > 0.0 && p[1] < BESIDE) {
+                chain.insert(0, [f, 0.0]);
+            }
+            if let Some(&[f, _]) = chain.last().filter(|p| p[1] < 1.0 && p[1] > 1.0 - BESIDE) {
+                chain.push([f, 1.0]);
             }
         }
         let least = chains.iter().flatten().copied().reduce(lower);

@@ -99,6 +99,12 @@ impl HideBy {
     /// Both, with their names.
     pub const ALL: [(&'static str, Self); 2] = [("rows", Self::Rows), ("lines", Self::Lines)];
 
+    /// The one of a name.
+    pub fn of(name: &str) -> Option<Self> {
+        let named = Self::ALL.into_iter().find(|(known, _)| *known == name);
+        named.map(|(_, by)| by)
+    }
+
     /// As requests and reports call it.
     pub fn name(self) -> &'static str {
         Self::ALL[self as usize].0

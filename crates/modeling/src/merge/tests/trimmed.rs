@@ -132,6 +132,8 @@ fn the_better_way_is_taken() {
         let better = if smooth { HideBy::Rows } else { HideBy::Lines };
         assert_eq!(merged.hide_by, Some(better), "{}", case.name);
         assert_eq!(rows < lines, smooth, "{}: {rows} {lines}", case.name);
+        let again = merged.plan.as_ref().unwrap().merge(&case.patches);
+        assert_eq!(again.unwrap(), merged.surface, "{}", case.name);
         let report = merged.report(&case.patches);
         assert_eq!(report.deviation.standard_m, rows.min(lines));
         let seam = &report.seams[0].1;
@@ -141,8 +143,8 @@ fn the_better_way_is_taken() {
 }
 
 /// A roof of two planes: they meet over an oblique line, at which both are trimmed. Degree 3, 0.1 m wide.
-fn roof() -> ([Surface; 2], [Vec<[f64; 2]>; 2]) {
-    let ridge = |y: f64| 0.05 + 0.3 * y;
+fn roof() -> ([Surface; 2], [[[f64; 2]; 2]; 2]) {
+    let ridge = |y: f64| 0.05 + 0.2 * y;
     let plane = |start: f64, rise: f64| {
         let knots = KnotVector::clamped_uniform(3, 7).unwrap();
         let places = knots.greville();
@@ -159,11 +161,7 @@ fn roof() -> ([Surface; 2], [Vec<[f64; 2]>; 2]) {
     let curve = |start: f64| [0.0, 1.0].map(|v| [(ridge(0.1 * v) - start) / 0.08, v]);
     let starts = [0.0, 0.04];
     let patches = [plane(starts[0], 0.5), plane(starts[1], -0.4)];
-    let loops = [
-        closed(&curve(starts[0]), true),
-        closed(&curve(starts[1]), false),
-    ];
-    (patches, loops)
+    (patches, starts.map(curve))
 }
 
 /// A loop on the patch that a turn makes of its own.
@@ -184,31 +182,18 @@ fn turned(turn: Turn, places: &[[f64; 2]]) -> Vec<[f64; 2]> {
 // order, with a loop round what is kept or the other way round what is not.
 #[test]
 fn a_roof_is_merged_without_a_deviation_however_it_is_laid() {
-    let (patches, loops) = roof();
-    let round_the_rest = |kept: &[[f64; 2]]| {
-        let [a, b] = match kept[0][0] < 0.6 && kept[2][0] == 0.0 {
-            true => [[1.0, 1.0], [1.0, 0.0]],
-            false => [[0.0, 1.0], [0.0, 0.0]],
-        };
-        // The curve the same way, then round the other side.
-        let curve: Vec<[f64; 2]> = kept
-            .iter()
-            .copied()
-            .filter(|p| p[0] > 0.0 && p[0] < 1.0)
-            .collect();
-        let back = if curve[0][1] == 0.0 { [a, b] } else { [b, a] };
-        [curve[0], curve[1], back[0], back[1]].to_vec()
+    let (patches, curves) = roof();
+    let ring = |k: usize, round_the_rest: bool| {
+        let mut ring = closed(&curves[k], (k == 0) != round_the_rest);
+        if round_the_rest {
+            ring.reverse();
+        }
+        ring
     };
     for (k, turn) in Turn::all().enumerate() {
         for other in Turn::all() {
             let mut surfaces = vec![turn.of(&patches[0]), other.of(&patches[1])];
-            let rings = loops.each_ref().map(|l| {
-                if k % 2 == 0 {
-                    l.clone()
-                } else {
-                    round_the_rest(l)
-                }
-            });
+            let rings = [0, 1].map(|patch| ring(patch, k % 2 == 1));
             let mut trims = vec![
                 Trim::new(&surfaces[0], vec![turned(turn, &rings[0])]).unwrap(),
                 Trim::new(&surfaces[1], vec![turned(other, &rings[1])]).unwrap(),
@@ -347,6 +332,34 @@ fn crossing_patches_lose_nothing_by_lines() {
     }
 }
 
+// Patches with a crease cross about where they would be trimmed.
+#[test]
+fn patches_that_cross_are_merged_as_if_they_were_trimmed_there() {
+    for case in given().iter().filter(|case| case.name.contains("crease")) {
+        let of = |trims: &[Trim]| {
+            let spec = MergeSpec {
+                continuity: case.continuity,
+                ..spec(trims, None)
+            };
+            let merged = merge(&case.patches, &spec).unwrap();
+            assert_eq!(
+                merged.hide_by,
+                Some(HideBy::Lines),
+                "{}: {:?}",
+                case.name,
+                merged.readings
+            );
+            seen(&merged, HideBy::Lines).deviation.standard_m
+        };
+        let (crossed, trimmed) = (of(&[]), of(&case.trims));
+        assert!(
+            crossed < 2.0 * trimmed,
+            "{}: {crossed} {trimmed}",
+            case.name
+        );
+    }
+}
+
 /// Trims of the roof's first patch with this loop, the second whole.
 fn of_first(ring: &[[f64; 2]], by: Option<HideBy>) -> Result<Merged, MergeError> {
     let (patches, _) = roof();
@@ -421,7 +434,7 @@ fn curves_that_are_no_graph_are_named_and_rows_go_on_without() {
 
 #[test]
 fn trims_that_leave_nothing_to_merge_are_refused() {
-    let (patches, loops) = roof();
+    let (patches, curves) = roof();
     let mut wrong_side = closed(&[[0.6, 0.0], [0.6, 1.0]], false);
     let (what, at) = no_graph(of_first(&wrong_side, None));
     assert_eq!(
@@ -468,7 +481,7 @@ fn trims_that_leave_nothing_to_merge_are_refused() {
     let whole = of_first(&all, None).unwrap();
     assert!(whole.readings.is_empty() && whole.hide_by.is_none());
 
-    let trims = [0, 1].map(|k| Trim::new(&patches[k], vec![loops[k].clone()]).unwrap());
+    let trims = [0, 1].map(|k| Trim::new(&patches[k], vec![closed(&curves[k], k == 0)]).unwrap());
     let exact = MergeSpec {
         method: MergeMethod::Exact,
         ..spec(&trims, None)
