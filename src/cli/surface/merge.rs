@@ -102,10 +102,8 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         .map(|file| SurfaceArg::at(file, 0).load_trimmed())
         .collect::<Result<_, _>>()?;
     let (unit, per_metre) = (loaded[0].0.unit.clone(), loaded[0].0.per_metre);
-    let (surfaces, trims): (Vec<Surface>, _) = (loaded
-        .into_iter()
-        .map(|(loaded, trim)| (loaded.surface, trim)))
-    .unzip();
+    let patches = loaded.into_iter().map(|(loaded, trim)| (loaded.surface, trim));
+    let (surfaces, trims): (Vec<Surface>, Vec<_>) = patches.unzip();
     let spec = MergeSpec {
         trims,
         ..args.spec(per_metre)
