@@ -102,7 +102,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         .map(|file| SurfaceArg::at(file, 0).load_trimmed())
         .collect::<Result<_, _>>()?;
     let (unit, per_metre) = (loaded[0].0.unit.clone(), loaded[0].0.per_metre);
-    let patches = loaded.into_iter().map(|(loaded, trim)| (loaded.surface, trim));
+    let patches = loaded
+        .into_iter()
+        .map(|(loaded, trim)| (loaded.surface, trim));
     let (surfaces, trims): (Vec<Surface>, Vec<_>) = patches.unzip();
     let spec = MergeSpec {
         trims,

@@ -127,8 +127,8 @@ impl Trim {
 /// A parameter as a fraction of the domain; none outside of it.
 fn share(t: f64, [start, end]: [f64; 2]) -> Option<f64> {
     let share = (t - start) / (end - start);
-    let inside = share >= -BORDER && share <= 1.0 + BORDER;
-    inside.then(|| match share {
+    let inside = (-BORDER..=1.0 + BORDER).contains(&share);
+    inside.then_some(match share {
         _ if share <= BORDER => 0.0,
         _ if share >= 1.0 - BORDER => 1.0,
         _ => share,
