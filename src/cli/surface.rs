@@ -17,7 +17,8 @@ use palpate_geometry::exchange::step::{PartPick, StepError, read_part};
 use palpate_geometry::exchange::{
     ExchangeError, Format, Imported, LeftOut, LengthUnit, Pick, read_surface, read_surface_file,
 };
-use palpate_geometry::surface::{Surface, builtin};
+use palpate_geometry::part::Part;
+use palpate_geometry::surface::{Surface, Trim, builtin};
 use part::{LoadedPart, Misuse};
 use std::path::{Path, PathBuf};
 
@@ -165,22 +166,60 @@ impl SurfaceArg {
         }
     }
 
-    /// A surface; parts are refused.
+    /// A surface; parts and trimmed surfaces are refused.
     pub(super) fn load(&self) -> anyhow::Result<Loaded> {
+        match self.imported()? {
+            None => self.builtin(),
+            Some(imported) => self.loaded(imported),
+        }
+    }
+
+    /// A surface, and what is kept of it; parts are refused.
+    pub(super) fn load_trimmed(&self) -> anyhow::Result<(Loaded, Option<Trim>)> {
+        let Some(mut imported) = self.imported()? else {
+            return Ok((self.builtin()?, None));
+        };
+        if let Some((surface, trim)) = self.step_patch(&imported)? {
+            (imported.surface, imported.trim) = (surface, Some(trim));
+        }
+        let trim = imported.trim.take();
+        imported.left_out.trimmed &= trim.is_none();
+        Ok((self.loaded(imported)?, trim))
+    }
+
+    /// The one face of a STEP file that trims it.
+    fn step_patch(&self, imported: &Imported) -> anyhow::Result<Option<(Surface, Trim)>> {
+        if !self.is_step() || !imported.left_out.trimmed || imported.count > 1 {
+            return Ok(None);
+        }
+        let bytes = std::fs::read(&self.file).with_context(|| self.named())?;
+        let read = read_part(&bytes, &PartPick::default()).with_context(|| self.named())?;
+        let part = Part::new(&read.brep).with_context(|| self.named())?;
+        (part.as_patch().transpose()).with_context(|| self.named())
+    }
+
+    fn builtin_name(&self) -> Option<&str> {
+        self.file.to_str()?.strip_prefix("builtin:")
+    }
+
+    fn builtin(&self) -> anyhow::Result<Loaded> {
+        Ok(Loaded {
+            surface: builtin(self.builtin_name().unwrap_or_default(), None, None)?,
+            unit: "m".into(),
+            per_metre: 1.0,
+            count: 1,
+            left_out: LeftOut::default(),
+            notes: Vec::new(),
+        })
+    }
+
+    /// What the file has; none for a built-in surface.
+    fn imported(&self) -> anyhow::Result<Option<Imported>> {
         if self.part_pick() != PartPick::default() {
             return Err(Misuse::Options.into());
         }
-        let name = self.file.to_str();
-        if let Some(name) = name.and_then(|text| text.strip_prefix("builtin:")) {
-            let surface = builtin(name, None, None)?;
-            return Ok(Loaded {
-                surface,
-                unit: "m".into(),
-                per_metre: 1.0,
-                count: 1,
-                left_out: LeftOut::default(),
-                notes: Vec::new(),
-            });
+        if self.builtin_name().is_some() {
+            return Ok(None);
         }
         let read = read_surface_file(&self.file, Pick::Index(self.index.unwrap_or(0)));
         if let Err(ExchangeError::Step(StepError::NoSurface { .. })) = read
@@ -190,7 +229,7 @@ impl SurfaceArg {
             let faces = part.brep.faces.len();
             return Err(Misuse::NoSpline { faces }).with_context(|| self.named());
         }
-        self.loaded(read.with_context(|| self.named())?)
+        Ok(Some(read.with_context(|| self.named())?))
     }
 
     fn loaded(&self, imported: Imported) -> anyhow::Result<Loaded> {

@@ -26,6 +26,8 @@ pub enum Edit {
         continuity: Option<u32>,
         /// `seed`, `constrained` or `exact`.
         method: Option<String>,
+        /// `rows` or `lines`.
+        hidden: Option<String>,
         /// Deviation allowed, m: knots are inserted until it is met.
         tolerance_m: Option<f64>,
     },

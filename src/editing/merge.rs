@@ -2,7 +2,7 @@
 
 use super::Edited;
 use palpate_geometry::surface::Surface;
-use palpate_modeling::merge::{self, Arrangement, MergeMethod, MergeSpec};
+use palpate_modeling::merge::{self, Arrangement, HideBy, MergeMethod, MergeSpec, Reading};
 use palpate_sim::scene::{Scene, SceneChange};
 use serde_json::json;
 
@@ -11,6 +11,7 @@ pub(super) struct MergeRequest<'a> {
     pub id: Option<&'a str>,
     pub continuity: Option<u32>,
     pub method: Option<&'a str>,
+    pub hidden: Option<&'a str>,
     pub tolerance_m: Option<f64>,
 }
 
@@ -33,6 +34,12 @@ pub(super) fn merge(
             ));
         }
     };
+    let hide_by = (asked.hidden)
+        .map(|name| {
+            HideBy::of(name)
+                .ok_or_else(|| format!("{name:?} is not a way to hide points; use rows or lines"))
+        })
+        .transpose()?;
     let arrangement = match surfaces.len() {
         2 => Arrangement::Closest,
         4 => Arrangement::Grid {
@@ -46,6 +53,7 @@ pub(super) fn merge(
         continuity,
         method,
         arrangement,
+        hide_by,
         tolerance_m: asked.tolerance_m,
         ..usual
     };
@@ -61,9 +69,12 @@ pub(super) fn merge(
         .iter()
         .map(|(_, continuity)| json!(continuity))
         .collect();
+    let readings: Vec<serde_json::Value> = merged.readings.iter().map(Reading::words).collect();
+    let hidden = merged.hide_by.map(HideBy::name);
     let net = merged.surface.net();
     let report = json!({
         "id": id, "net": [net.rows(), net.columns()], "deviation": told.deviation, "seams": seams, "before": told.before,
+        "hidden": hidden, "readings": readings,
     });
     let what = format!("merged {} into {id} with C{continuity}", names.join(", "));
     Ok(Edited {

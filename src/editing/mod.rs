@@ -121,12 +121,14 @@ fn carry_out(job: &EditJob, changes: &SceneChanges) -> Result<EditNews, String> 
             id,
             continuity,
             method,
+            hidden,
             tolerance_m,
         } => {
             let asked = merge::MergeRequest {
                 id: id.as_deref(),
                 continuity: *continuity,
                 method: method.as_deref(),
+                hidden: hidden.as_deref(),
                 tolerance_m: *tolerance_m,
             };
             merge::merge(scene, &request.bodies, &surfaces, &asked)?

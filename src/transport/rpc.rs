@@ -127,12 +127,14 @@ impl Rpc {
                 id: name,
                 continuity,
                 method,
+                hidden,
                 tolerance,
             } => {
                 let edit = Edit::Merge {
                     id: name,
                     continuity,
                     method,
+                    hidden,
                     tolerance_m: tolerance,
                 };
                 parties

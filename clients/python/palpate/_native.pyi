@@ -431,6 +431,7 @@ def merge(
     hide: list[tuple[int, str, tuple[float, float]]] = ...,
     find_overlap: bool = True,
     tolerance: Optional[float] = None,
+    hidden: Optional[str] = None,
 ) -> tuple[Surface, str]: ...
 def isolate(
     surfaces: list[Surface],

@@ -3,7 +3,7 @@
 import json
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple, Optional, Union
 
@@ -53,6 +53,10 @@ class Merged:
     """The patches where they met before."""
     within_tolerance: Optional[bool]
     """Whether the tolerance was reached, when there was one."""
+    hidden: Optional[str] = None
+    """Where patches cross: ``rows`` or ``lines``, whichever was taken."""
+    readings: "list[dict[str, Any]]" = field(default_factory=list)
+    """What was tried there: ``hidden``, ``deviation`` of all visible points and ``lost_share``, or why it was ``refused``."""
 
 
 @dataclass(frozen=True)
@@ -151,6 +155,7 @@ def merge(
     hide: "Sequence[tuple[int, str, tuple[float, float]]]" = (),
     find_overlap: bool = True,
     tolerance: Optional[float] = None,
+    hidden: Optional[str] = None,
 ) -> Merged:
     """Joins patches into one surface.
 
@@ -168,6 +173,9 @@ def merge(
         Parts to leave out: number of the patch, direction, range.
     tolerance
         Knots are inserted until no point is farther off, m.
+    hidden
+        Where two patches cross: ``rows`` of points with a hidden one are dropped, or ``lines`` across the seam end on the
+        curve; by default the one that deviates less.
 
     Raises
     ------
@@ -175,7 +183,7 @@ def merge(
         Patches that cannot be joined, with what would help.
     """
     surface, report = _native.merge(
-        list(surfaces), continuity, method, degree, grid, edges, list(hide), find_overlap, tolerance
+        list(surfaces), continuity, method, degree, grid, edges, list(hide), find_overlap, tolerance, hidden
     )
     return Merged(surface, **json.loads(report))
 

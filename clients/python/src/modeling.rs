@@ -10,7 +10,9 @@ use palpate_geometry::surface::file::Unit;
 use palpate_geometry::surface::{self, CloudSpec, Curve, Fitted, GridSpec};
 use palpate_modeling::branch::{Tree, grow};
 use palpate_modeling::isolate::{IsolateMethod, IsolateSpec, IsolateStatus, Isolated, isolate_all};
-use palpate_modeling::merge::{Arrangement, DegreeRule, Edge, Hidden, MergeMethod, MergeSpec};
+use palpate_modeling::merge::{
+    Arrangement, DegreeRule, Edge, Hidden, HideBy, MergeMethod, MergeSpec, Reading,
+};
 use palpate_modeling::pipe::{Answer, PipeLimits, Spine, pipe_surface};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -41,7 +43,7 @@ fn plain(surfaces: &[PyRef<'_, Surface>]) -> Vec<surface::Surface> {
 
 /// Joins patches into one surface; returns it with a report as JSON.
 #[pyfunction]
-#[pyo3(signature = (surfaces, continuity=2, method="constrained", degree="raise", grid=None, edges=None, hide=vec![], find_overlap=true, tolerance=None))]
+#[pyo3(signature = (surfaces, continuity=2, method="constrained", degree="raise", grid=None, edges=None, hide=vec![], find_overlap=true, tolerance=None, hidden=None))]
 pub fn merge(
     py: Python<'_>,
     surfaces: Vec<PyRef<'_, Surface>>,
@@ -53,6 +55,7 @@ pub fn merge(
     hide: Vec<(usize, String, (f64, f64))>,
     find_overlap: bool,
     tolerance: Option<f64>,
+    hidden: Option<&str>,
 ) -> PyResult<(Surface, String)> {
     let edge = |name: &str| {
         choice(
@@ -77,7 +80,7 @@ pub fn merge(
             columns => Arrangement::Grid { rows: 1, columns },
         },
     };
-    let hidden = hide.into_iter().map(|(patch, direction, (a, b))| {
+    let ranges = hide.into_iter().map(|(patch, direction, (a, b))| {
         Ok(Hidden {
             patch,
             direction: direction_of(&direction)?,
@@ -98,7 +101,10 @@ pub fn merge(
             &[("raise", DegreeRule::Raise), ("lower", DegreeRule::Lower)],
         )?,
         arrangement,
-        hidden: hidden.collect::<PyResult<_>>()?,
+        hidden: ranges.collect::<PyResult<_>>()?,
+        hide_by: hidden
+            .map(|name| choice("hidden", name, &HideBy::ALL))
+            .transpose()?,
         find_overlap,
         tolerance_m: tolerance,
         ..MergeSpec::default()
@@ -121,7 +127,8 @@ pub fn merge(
             .collect();
         let words = json!({
             "deviation": report.deviation, "seams": seams, "before": report.before,
-            "within_tolerance": merged.within_tolerance,
+            "within_tolerance": merged.within_tolerance, "hidden": merged.hide_by.map(HideBy::name),
+            "readings": merged.readings.iter().map(Reading::words).collect::<Vec<_>>(),
         });
         Ok((Surface::of(merged.surface), words.to_string()))
     })

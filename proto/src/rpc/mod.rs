@@ -149,6 +149,8 @@ calls! {
         continuity: Option<u32> = None;
         /// `seed`, `constrained` or `exact`.
         method: Option<String> = None;
+        /// Where bodies end on the curve in which they cross: `rows` or `lines`; the better one if absent.
+        hidden: Option<String> = None;
         /// Deviation allowed, m; knots are inserted until it is met.
         tolerance: Option<f64> = None, 1e-12..=1e3;
     }
@@ -436,6 +438,7 @@ mod tests {
                 id: None,
                 continuity: Some(1),
                 method: None,
+                hidden: Some("lines".into()),
                 tolerance: Some(1e-4),
             },
             Call::Isolate {

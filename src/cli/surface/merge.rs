@@ -4,11 +4,11 @@ use super::{Loaded, Outcome, SurfaceArg};
 use anyhow::Context as _;
 use palpate_geometry::exchange::{Format, write_surface};
 use palpate_geometry::surface::file::Unit;
-use palpate_geometry::surface::{Direction, Surface};
+use palpate_geometry::surface::{Direction, Surface, Trim};
 use palpate_modeling::merge::cases::cases;
 use palpate_modeling::merge::{
-    Arrangement, Continuity, DegreeRule, Edge, Hidden, MergeMethod, MergeSpec, Merged, Report,
-    merge,
+    Arrangement, Continuity, DegreeRule, Deviation, Edge, Hidden, HideBy, MergeMethod, MergeSpec,
+    Merged, Report, merge,
 };
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -47,6 +47,10 @@ pub struct Args {
     /// Part of the second patch to exclude.
     #[arg(long, value_name = "D:FROM..TO", value_parser = range)]
     trim_b: Option<(Direction, [f64; 2])>,
+    /// Where two patches end on curves, those of trims in their files or the one in which they cross: drop each row of points with
+    /// a hidden one, or end each line across the seam on the curve; without it the way that deviates less.
+    #[arg(long, value_name = "WAY")]
+    hidden: Option<HiddenName>,
     /// Do not search for an intersection curve of the patches.
     #[arg(long)]
     no_overlap: bool,
@@ -60,7 +64,7 @@ pub struct Args {
     #[arg(long, value_name = "SHARE", default_value_t = 0.02)]
     least_span: f64,
     /// Merge the seven built-in cases with two methods and print their table.
-    #[arg(long, conflicts_with_all = ["patches", "output", "grid", "edges", "trim_a", "trim_b"])]
+    #[arg(long, conflicts_with_all = ["patches", "output", "grid", "edges", "trim_a", "trim_b", "hidden"])]
     cases: bool,
     /// Print one JSON object.
     #[arg(long)]
@@ -75,6 +79,12 @@ enum MethodName {
 }
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum HiddenName {
+    Rows,
+    Lines,
+}
+
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
 enum DegreeName {
     Raise,
     Lower,
@@ -86,14 +96,20 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     }
     // The whole request is read before the files are.
     let format = args.output.as_ref().map(Format::of).transpose()?;
-    let loaded: Vec<Loaded> = args
+    let loaded: Vec<(Loaded, Option<Trim>)> = args
         .patches
         .iter()
-        .map(|file| SurfaceArg::at(file, 0).load())
+        .map(|file| SurfaceArg::at(file, 0).load_trimmed())
         .collect::<Result<_, _>>()?;
-    let (unit, per_metre) = (loaded[0].unit.clone(), loaded[0].per_metre);
-    let surfaces: Vec<Surface> = loaded.into_iter().map(|l| l.surface).collect();
-    let spec = args.spec(per_metre);
+    let (unit, per_metre) = (loaded[0].0.unit.clone(), loaded[0].0.per_metre);
+    let patches = loaded
+        .into_iter()
+        .map(|(loaded, trim)| (loaded.surface, trim));
+    let (surfaces, trims): (Vec<Surface>, Vec<_>) = patches.unzip();
+    let spec = MergeSpec {
+        trims,
+        ..args.spec(per_metre)
+    };
     let start = Instant::now();
     let merged = merge(&surfaces, &spec)?;
     let taken = start.elapsed();
@@ -151,9 +167,14 @@ impl Args {
                 })
                 .collect(),
             find_overlap: !self.no_overlap,
+            hide_by: self.hidden.map(|name| match name {
+                HiddenName::Rows => HideBy::Rows,
+                HiddenName::Lines => HideBy::Lines,
+            }),
             points: self.points,
             least_span: self.least_span,
             tolerance_m: self.tolerance.map(|t| t / per_metre),
+            ..MergeSpec::default()
         }
     }
 }
@@ -169,7 +190,22 @@ fn as_json(
     per_metre: f64,
     taken: Duration,
 ) -> serde_json::Value {
-    let d = &report.deviation;
+    let deviation = |d: &Deviation| {
+        serde_json::json!({
+            "points": d.points, "close": d.close, "close_within": d.close_m * per_metre,
+            "average": d.average_m * per_metre, "median": d.median_m * per_metre,
+            "standard": d.standard_m * per_metre, "maximum": d.maximum_m * per_metre,
+        })
+    };
+    let readings = merged.readings.iter().map(|reading| {
+        let hidden = reading.hide_by.name();
+        match &reading.outcome {
+            Ok(seen) => serde_json::json!({
+                "hidden": hidden, "deviation": deviation(&seen.deviation), "lost_share": seen.lost_share(),
+            }),
+            Err(error) => serde_json::json!({ "hidden": hidden, "refused": error.to_string() }),
+        }
+    });
     let continuity = |c: &Continuity| {
         serde_json::json!({
             "gap": c.gap_m * per_metre, "tangent_deg": c.tangent_deg,
@@ -202,11 +238,8 @@ fn as_json(
         "unit": unit, "rows": merged.layout.rows, "columns": merged.layout.columns, "places": places,
         "degree": [merged.surface.knots_u().degree(), merged.surface.knots_v().degree()],
         "net": [net.rows(), net.columns()],
-        "deviation": {
-            "points": d.points, "close": d.close, "close_within": d.close_m * per_metre,
-            "average": d.average_m * per_metre, "median": d.median_m * per_metre,
-            "standard": d.standard_m * per_metre, "maximum": d.maximum_m * per_metre,
-        },
+        "deviation": deviation(&report.deviation),
+        "hidden": merged.hide_by.map(HideBy::name), "readings": readings.collect::<Vec<_>>(),
         "seams": seams, "before": continuity(&report.before),
         "within_tolerance": merged.within_tolerance, "time_s": taken.as_secs_f64(),
     })
@@ -241,6 +274,25 @@ fn print(merged: &Merged, report: &Report, unit: &str, per_metre: f64, taken: Du
         d.close,
         length(d.close_m)
     );
+    for reading in &merged.readings {
+        let name = reading.hide_by.name();
+        let taken = if merged.hide_by == Some(reading.hide_by) {
+            ", taken"
+        } else {
+            ""
+        };
+        match &reading.outcome {
+            Ok(seen) => println!(
+                "hidden by {name:<8} average {:.6}, standard deviation {:.6}, maximum {:.6} {unit} of all visible points, {:.2} % of \
+                 them lost{taken}",
+                length(seen.deviation.average_m),
+                length(seen.deviation.standard_m),
+                length(seen.deviation.maximum_m),
+                1e2 * seen.lost_share(),
+            ),
+            Err(error) => println!("hidden by {name:<8} not possible: {error}"),
+        }
+    }
     let line = |name: &str, c: &Continuity| {
         println!(
             "{name:<14} gap {:.2e} {unit}, tangents {:.2e}°, curvature jump {:.2e} of {:.2e} 1/{unit}",
@@ -373,6 +425,13 @@ fn range(text: &str) -> Result<(Direction, [f64; 2]), String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use palpate_geometry::basis::KnotVector;
+    use palpate_geometry::exchange::step::write_part;
+    use palpate_geometry::math::Point3;
+    use palpate_geometry::part::{
+        Brep, BrepBound, BrepCurve, BrepEdge, BrepFace, BrepShell, Carrier,
+    };
+    use palpate_geometry::surface::ControlNet;
 
     #[test]
     fn words_of_the_request_are_read_or_refused() {
@@ -411,6 +470,7 @@ mod tests {
             edges: None,
             trim_a: None,
             trim_b: None,
+            hidden: None,
             no_overlap: false,
             tolerance,
             points: 101,
@@ -439,5 +499,84 @@ mod tests {
             })
             .is_err()
         );
+    }
+
+    /// A plane of 80 × 100 mm from `start` on, which rises from a ridge; degree 3.
+    fn slope(start: f64, rise: f64) -> Surface {
+        let knots = KnotVector::clamped_uniform(3, 7).unwrap();
+        let places = knots.greville();
+        let at = |u: f64, v: f64| {
+            let (x, y) = (start + 0.08 * u, 0.1 * v);
+            Point3::new(x, y, rise * (x - 0.05 - 0.2 * y))
+        };
+        let points = (places.iter()).flat_map(|u| places.iter().map(move |v| at(*u, *v)));
+        let net = ControlNet::new(7, 7, points.collect()).unwrap();
+        Surface::new(knots.clone(), knots, net, None).unwrap()
+    }
+
+    /// A STEP file of one face with straight edges.
+    fn step(surface: &Surface, corners: &[[f64; 2]]) -> String {
+        let vertices: Vec<Point3> = corners.iter().map(|[u, v]| surface.point(*u, *v)).collect();
+        let n = corners.len();
+        let edge = |k: usize| BrepEdge {
+            id: k as u64 + 1,
+            curve: BrepCurve::Line {
+                origin: vertices[k],
+                direction: (vertices[(k + 1) % n] - vertices[k]).normalize(),
+            },
+            ends: [k as u32, ((k + 1) % n) as u32],
+            along: true,
+        };
+        let face = BrepFace {
+            id: 100,
+            carrier: Carrier::Spline(Box::new(surface.clone())),
+            same_sense: true,
+            bounds: vec![BrepBound::Loop((0..n as u32).map(|k| (k, true)).collect())],
+        };
+        let brep = Brep {
+            edges: (0..n).map(edge).collect(),
+            faces: vec![face],
+            shells: vec![BrepShell {
+                faces: vec![0],
+                closed: false,
+                solid: None,
+            }],
+            vertices,
+            ..Brep::default()
+        };
+        write_part(&brep, &Unit::Millimetre.into(), "slope").unwrap()
+    }
+
+    // A roof whose ridge is no row of either plane: its lines end on it, and nothing is missed.
+    #[test]
+    fn trimmed_files_are_merged_on_their_curves() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        let (left, right) = (slope(0.0, 0.5), slope(0.04, -0.4));
+        let kept = [[0.0, 0.0], [0.625, 0.0], [0.875, 1.0], [0.0, 1.0]];
+        std::fs::write(path("a.step"), step(&left, &kept)).unwrap();
+        let text = palpate_geometry::surface::file::write(&right, Unit::Millimetre);
+        let mut document: serde_json::Value = serde_json::from_str(&text).unwrap();
+        document["trim"] = serde_json::json!([[[0.125, 0], [1, 0], [1, 1], [0.375, 1]]]);
+        std::fs::write(path("b.json"), document.to_string()).unwrap();
+        let loaded =
+            ["a.step", "b.json"].map(|name| SurfaceArg::at(&path(name), 0).load_trimmed().unwrap());
+        let surfaces = loaded.each_ref().map(|(loaded, _)| loaded.surface.clone());
+        let spec = MergeSpec {
+            continuity: 0,
+            trims: loaded.into_iter().map(|(_, trim)| trim).collect(),
+            ..MergeSpec::default()
+        };
+        let merged = merge(&surfaces, &spec).unwrap();
+        assert_eq!(merged.hide_by, Some(HideBy::Lines));
+        let report = merged.report(&surfaces);
+        assert!(report.deviation.maximum_m < 1e-9, "{:?}", report.deviation);
+        let json = as_json(&merged, &report, "mm", 1e3, Duration::ZERO);
+        assert_eq!(json["hidden"], "lines");
+        let shares = [0, 1].map(|k| json["readings"][k]["lost_share"].as_f64().unwrap());
+        assert!(shares[0] > 0.05 && shares[1] == 0.0, "{shares:?}");
+        // Whoever needs the whole surface is told.
+        let refused = SurfaceArg::at(&path("b.json"), 0).load().err().unwrap();
+        assert!(format!("{refused:#}").contains("trimming"), "{refused:#}");
     }
 }

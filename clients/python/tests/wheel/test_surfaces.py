@@ -248,6 +248,19 @@ def test_patches_merge_with_the_continuity_asked_for() -> None:
         pp.merge([left, right], method="glue")
 
 
+def test_patches_that_cross_are_merged_by_rows_or_by_lines() -> None:
+    left = pp.Surface.builtin("sheet", size=0.1)
+    x, y = left.points[..., 0], left.points[..., 1]
+    tilted = left.points + np.stack([np.full_like(x, 0.08), 0 * x, 0.3 * (x - 0.01 - 0.1 * y)], axis=-1)
+    right = pp.Surface(left.degree, left.knots, tilted)
+    merged = left.merge(right, edges=("u1", "u0"), continuity=0)
+    assert [reading["hidden"] for reading in merged.readings] == ["rows", "lines"]
+    assert merged.hidden == "lines" and merged.readings[1]["lost_share"] == 0.0
+    assert left.merge(right, edges=("u1", "u0"), hidden="rows").hidden == "rows"
+    with pytest.raises(ValueError, match="rows, lines"):
+        left.merge(right, hidden="columns")
+
+
 def test_overlapping_spheres_move_apart_by_what_is_missing() -> None:
     fixed = pp.Surface.builtin("sphere", size=0.05)
     moving = fixed.transformed(translation=(0.08, 0.0, 0.0))

@@ -201,6 +201,7 @@ pub fn read(bytes: &[u8], pick: Pick) -> Result<Imported, IgesError> {
         id,
         count: ids.len(),
         unit,
+        trim: None,
         left_out,
     })
 }

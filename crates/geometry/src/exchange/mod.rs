@@ -48,8 +48,8 @@ pub use step::StepError;
 pub use units::LengthUnit;
 
 use crate::math::Point3;
-use crate::surface::file::Unit;
-use crate::surface::{FileError, Loaded, MergedKnots, Mesh, Surface, file};
+use crate::surface::file::{Document, Unit};
+use crate::surface::{FileError, MergedKnots, Mesh, Surface, Trim, file};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -153,6 +153,8 @@ pub struct Imported {
     pub surface: Surface,
     /// Knots of the file that were made one.
     pub merged: Vec<MergedKnots>,
+    /// What is kept of it, of a JSON file that says so; `left_out` counts it too, for those who need the whole.
+    pub trim: Option<Trim>,
     /// Its number in the file (0 where files have none).
     pub id: u64,
     /// How many surfaces the file has that could have been picked.
@@ -274,15 +276,20 @@ pub fn read_surface(bytes: &[u8], format: Format, pick: Pick) -> Result<Imported
             let text = std::str::from_utf8(bytes).map_err(|error| ExchangeError::Text {
                 at: error.valid_up_to(),
             })?;
-            let (Loaded { surface, merged }, unit) = file::read_with_unit(text)?;
+            let Document { loaded, trim, unit } = file::read_document(text)?;
             let unit = LengthUnit::of_metres(unit.name(), 1.0, unit.per_metre());
+            let left_out = LeftOut {
+                trimmed: trim.is_some(),
+                ..LeftOut::default()
+            };
             Ok(Imported {
-                surface,
-                merged,
+                surface: loaded.surface,
+                merged: loaded.merged,
+                trim,
                 id: 0,
                 count: 1,
                 unit,
-                left_out: LeftOut::default(),
+                left_out,
             })
         }
         Format::Step => Ok(step::read(bytes, pick)?),

@@ -288,6 +288,7 @@ pub fn read(bytes: &[u8], pick: Pick) -> Result<Imported, StepError> {
         id,
         count: ids.len(),
         unit,
+        trim: None,
         left_out,
     })
 }

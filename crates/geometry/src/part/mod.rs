@@ -21,6 +21,7 @@ mod near;
 mod orient;
 #[expect(clippy::module_inception)]
 mod part;
+mod patch;
 pub(crate) mod pcurve;
 mod place;
 mod senses;

@@ -209,3 +209,52 @@ fn moments_are_those_of_closed_forms() {
         }
     }
 }
+
+// A rectangle of 40 × 40 mm with a round hole, on a flat B-spline of 60 × 40 mm.
+#[test]
+fn a_face_on_a_b_spline_is_a_trimmed_patch() {
+    let mut maker = Maker::default();
+    let corners = [
+        [0.0, 0.0, 0.0],
+        [0.04, 0.0, 0.0],
+        [0.04, 0.04, 0.0],
+        [0.0, 0.04, 0.0],
+    ];
+    let outer = (0..4)
+        .map(|k| maker.line(corners[k], corners[(k + 1) % 4]))
+        .collect();
+    let centre = axes([0.02, 0.02, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]);
+    let hole = maker.circle(centre, 0.008);
+    let knots = crate::basis::KnotVector::clamped_uniform(1, 2).unwrap();
+    let points = [[0.0, 0.0], [0.0, 0.04], [0.06, 0.0], [0.06, 0.04]];
+    let points = points.map(|[x, y]| Point3::new(x, y, 0.0)).to_vec();
+    let net = crate::surface::ControlNet::new(2, 2, points).unwrap();
+    let flat = crate::surface::Surface::new(knots.clone(), knots, net, None).unwrap();
+    let carrier = Carrier::Spline(Box::new(flat.clone()));
+    maker.face(carrier, true, vec![outer, vec![(hole, false)]]);
+    let mut brep = maker.solid();
+    brep.shells[0].closed = false;
+    brep.shells[0].solid = None;
+    let (surface, trim) = Part::new(&brep).unwrap().as_patch().unwrap().unwrap();
+    assert_eq!(surface, flat);
+    let areas: Vec<f64> = (trim.loops().iter())
+        .map(|ring| {
+            let next = ring.iter().cycle().skip(1);
+            let twice = ring
+                .iter()
+                .zip(next)
+                .map(|(a, b)| a[0] * b[1] - b[0] * a[1]);
+            0.5 * twice.sum::<f64>() * 0.06 * 0.04
+        })
+        .collect();
+    assert_eq!(areas.len(), 2, "{:?}", trim.loops());
+    // Left of the loops: counterclockwise outside, clockwise round the hole, whose chords cut off 1e-4 of it.
+    assert!((areas[0] - 0.04 * 0.04).abs() < 1e-12, "{areas:?}");
+    let round = PI * 0.008 * 0.008;
+    assert!((areas[1] + round).abs() < 1e-3 * round, "{areas:?}");
+    for [u, v] in &trim.loops()[1] {
+        let off = libm::hypot(0.06 * u - 0.02, 0.04 * v - 0.02) - 0.008;
+        assert!(off.abs() < 1e-9, "{u} {v}: {off}");
+    }
+    assert!(Part::new(&drilled()).unwrap().as_patch().is_none());
+}

@@ -2,13 +2,14 @@
 //!
 //! ```json
 //! {"format": "palpate.surface.v1", "degree": [3, 3], "periodic": [false, false], "knots": [[0, …], [0, …]],
-//!  "points": [[[x, y, z], …], …], "weights": [[1, …], …], "unit": "m", "flip_normal": false}
+//!  "points": [[[x, y, z], …], …], "weights": [[1, …], …], "unit": "m", "flip_normal": false,
+//!  "trim": [[[u, v], …], …]}
 //! ```
-//! Rows in u, columns in v. `weights`, `unit` ("m" unless given), `flip_normal` and `name` may be
-//! left out. Without `flip_normal` a closed surface is turned so that its normals point outwards,
+//! Rows in u, columns in v. `weights`, `unit` ("m" unless given), `flip_normal`, `trim` and `name` may be
+//! left out. `trim` are closed polylines in the parameters; what is on their left is kept. Without `flip_normal` a closed surface is turned so that its normals point outwards,
 //! an open one has them along S_u × S_v.
 
-use super::{ControlNet, Loaded, Surface, SurfaceError};
+use super::{ControlNet, Loaded, Surface, SurfaceError, Trim, TrimError};
 use crate::basis::{KnotError, KnotVector, MAX_DEGREE};
 use crate::math::Point3;
 use serde_json::Value;
@@ -16,7 +17,7 @@ use serde_json::Value;
 /// The value of `format`.
 pub const FORMAT: &str = "palpate.surface.v1";
 
-const KEYS: [&str; 9] = [
+const KEYS: [&str; 10] = [
     "format",
     "degree",
     "periodic",
@@ -25,6 +26,7 @@ const KEYS: [&str; 9] = [
     "weights",
     "unit",
     "flip_normal",
+    "trim",
     "name",
 ];
 
@@ -123,6 +125,25 @@ pub enum FileError {
     /// Values that make no surface.
     #[error(transparent)]
     Surface(#[from] SurfaceError),
+    /// Loops that trim nothing.
+    #[error(transparent)]
+    Trim(#[from] TrimError),
+    /// A trim where whole surfaces are needed.
+    #[error(
+        "the surface is trimmed, and here it would be used whole; remove \"trim\" if that is meant"
+    )]
+    Trimmed,
+}
+
+/// All that a document says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Document {
+    /// The surface, m.
+    pub loaded: Loaded,
+    /// What is kept of it; all, where there is none.
+    pub trim: Option<Trim>,
+    /// Of the numbers in the document.
+    pub unit: Unit,
 }
 
 /// Reads a document.
@@ -145,10 +166,37 @@ pub fn read(json: &str) -> Result<Surface, FileError> {
 /// Reads a document and the unit that its numbers are in; the surface is in metres.
 ///
 /// # Errors
-/// See [`FileError`].
+/// See [`FileError`]; trimmed surfaces are refused.
 pub fn read_with_unit(json: &str) -> Result<(Loaded, Unit), FileError> {
-    let document = serde_json::from_str(json)?;
-    Ok((load(&document)?, unit_of(&document)?))
+    let document = read_document(json)?;
+    let unit = document.unit;
+    Ok((document.whole()?, unit))
+}
+
+/// Reads a document with the trim that it may have.
+///
+/// # Errors
+/// See [`FileError`].
+///
+/// # Examples
+/// ```
+/// use palpate_geometry::surface::file::read_document;
+/// let triangle = r#"{"format": "palpate.surface.v1", "degree": [1, 1], "knots": [[0, 0, 1, 1], [0, 0, 1, 1]],
+///     "points": [[[0, 0, 0], [0, 1, 0]], [[1, 0, 0], [1, 1, 0]]], "trim": [[[0, 0], [1, 0], [0, 1]]]}"#;
+/// assert_eq!(read_document(triangle)?.trim.unwrap().loops()[0].len(), 3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn read_document(json: &str) -> Result<Document, FileError> {
+    document_of(&serde_json::from_str(json)?)
+}
+
+impl Document {
+    fn whole(self) -> Result<Loaded, FileError> {
+        match self.trim {
+            None => Ok(self.loaded),
+            Some(_) => Err(FileError::Trimmed),
+        }
+    }
 }
 
 fn unit_of(document: &Value) -> Result<Unit, FileError> {
@@ -171,8 +219,12 @@ pub fn from_value(document: &Value) -> Result<Surface, FileError> {
 /// [`from_value`], with what [`Surface::loaded`] changed.
 ///
 /// # Errors
-/// See [`FileError`].
+/// See [`FileError`]; trimmed surfaces are refused.
 pub fn load(document: &Value) -> Result<Loaded, FileError> {
+    document_of(document)?.whole()
+}
+
+fn document_of(document: &Value) -> Result<Document, FileError> {
     let Value::Object(map) = document else {
         return Err(wrong("the document", "an object", document));
     };
@@ -274,7 +326,32 @@ pub fn load(document: &Value) -> Result<Loaded, FileError> {
         Some(Value::Bool(flip)) => loaded.surface.with_flip_normal(*flip),
         Some(other) => return Err(wrong("flip_normal", "true or false", other)),
     };
-    Ok(Loaded { surface, ..loaded })
+    let loops = map.get("trim").filter(|trim| !trim.is_null());
+    let loops = loops.map(loops_of).transpose()?;
+    let trim = loops.map(|loops| Trim::new(&surface, loops)).transpose()?;
+    let loaded = Loaded { surface, ..loaded };
+    Ok(Document { loaded, trim, unit })
+}
+
+/// Places of each loop, as given.
+fn loops_of(value: &Value) -> Result<Vec<Vec<[f64; 2]>>, FileError> {
+    let place = |ring: usize, k: usize, place: &Value| {
+        let path = || format!("trim[{ring}][{k}]");
+        let uv = place.as_array().map(Vec::as_slice);
+        let Some([u, v]) = uv else {
+            return Err(wrong(&path(), "two numbers", place));
+        };
+        Ok([number(u, path)?, number(v, path)?])
+    };
+    let rings = list(value, "trim", "a list of loops")?.iter().enumerate();
+    rings
+        .map(|(ring, places)| {
+            let places = list(places, &format!("trim[{ring}]"), "a list of places")?;
+            (places.iter().enumerate())
+                .map(|(k, at)| place(ring, k, at))
+                .collect()
+        })
+        .collect()
 }
 
 /// The document of a surface; [`read`] gives the same surface back, in metres bit for bit, but for
@@ -473,7 +550,7 @@ mod tests {
             change(&mut document);
             from_value(&document).unwrap_err().to_string()
         };
-        let cases: [(&Change, &str); 18] = [
+        let cases: [(&Change, &str); 22] = [
             (
                 &|d| d["format"] = "palpate.surface.v2".into(),
                 "\"format\" is \"palpate.surface.v2\", this reads \"palpate.surface.v1\"",
@@ -545,6 +622,22 @@ mod tests {
             (
                 &|d| d["weights"] = serde_json::json!([[1, 1]]),
                 "2 weights for 4 control points",
+            ),
+            (
+                &|d| d["trim"] = 1.into(),
+                "trim should be a list of loops, but is a number",
+            ),
+            (
+                &|d| d["trim"] = serde_json::json!([[[0, 0], [1, 0], [0]]]),
+                "trim[0][2] should be two numbers, but is a list of 1",
+            ),
+            (
+                &|d| d["trim"] = serde_json::json!([[[0, 0], [1, 0], [0, 2]]]),
+                "place 2 of loop 0 of trim, (0, 2), is outside of the domain: u from 0 to 1, v from 0 to 1",
+            ),
+            (
+                &|d| d["trim"] = serde_json::json!([[[0, 0], [1, 0], [0, 1]]]),
+                "the surface is trimmed, and here it would be used whole; remove \"trim\" if that is meant",
             ),
         ];
         for (change, wanted) in cases {

@@ -40,6 +40,7 @@ mod sphere_map;
 mod tensor;
 mod tessellate;
 mod topology;
+mod trim;
 
 #[cfg(test)]
 pub(crate) mod testing;
@@ -68,3 +69,4 @@ pub(crate) use tensor::wrap;
 pub use tensor::{Frame, MOST_WEIGHTS, Surface, SurfaceError, WEIGHTS};
 pub use tessellate::TessellateError;
 pub use topology::{Closing, Topology};
+pub use trim::{Trim, TrimError};

@@ -8,6 +8,7 @@
 //! ```
 
 use super::layout::Layout;
+use super::sheet::Sheet;
 use palpate_geometry::basis::{Blending, KnotError, KnotVector};
 use palpate_geometry::surface::{Direction, Surface};
 
@@ -50,9 +51,9 @@ pub(super) struct Axis {
 }
 
 impl Axis {
-    /// `turned` as the layout places them; `fractions[block]` says where to sample.
+    /// `sheets` as the layout places them; `fractions[block]` says where to sample.
     pub(super) fn new(
-        turned: &[Surface],
+        sheets: &[Sheet],
         layout: &Layout,
         direction: Direction,
         degree: usize,
@@ -69,7 +70,7 @@ impl Axis {
         let block = |b: usize| KnotBlock {
             fractions: fractions[b].clone(),
             strands: (0..strands)
-                .map(|s| Strand::new(&turned[place(b, s)], direction, &fractions[b]))
+                .map(|s| Strand::new(&sheets[place(b, s)], direction, &fractions[b]))
                 .collect(),
         };
         Self {
@@ -129,7 +130,11 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
 }
 
 impl Strand {
-    fn new(surface: &Surface, direction: Direction, fractions: &[f64]) -> Self {
+    fn new(sheet: &Sheet, direction: Direction, fractions: &[f64]) -> Self {
+        if sheet.end.is_some() {
+            return Self::drawn(sheet, direction, fractions);
+        }
+        let surface = &sheet.surface;
         let (along, across) = match direction {
             Direction::U => (surface.knots_u(), surface.knots_v()),
             Direction::V => (surface.knots_v(), surface.knots_u()),
@@ -146,6 +151,28 @@ impl Strand {
             knots,
             samples,
             slopes,
+        }
+    }
+}
+
+impl Strand {
+    /// Of lines that end on a curve, point by point.
+    fn drawn(sheet: &Sheet, direction: Direction, fractions: &[f64]) -> Self {
+        let row = |f: f64, of: &dyn Fn([f64; 2]) -> [f64; 3]| -> Vec<f64> {
+            let places = (0..LINES).map(|k| k as f64 / (LINES - 1) as f64);
+            let at = |g: f64| match direction {
+                Direction::U => [f, g],
+                Direction::V => [g, f],
+            };
+            places.flat_map(|g| of(at(g))).collect()
+        };
+        let point = |at| sheet.point(at).coords.into();
+        let slope = |at| sheet.slope(at, direction).into();
+        let ends = [fractions[0], fractions[fractions.len() - 1]];
+        Self {
+            knots: normalised(sheet.surface.knots(direction)),
+            samples: fractions.iter().flat_map(|f| row(*f, &point)).collect(),
+            slopes: ends.map(|f| row(f, &slope)),
         }
     }
 }

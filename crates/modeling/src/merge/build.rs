@@ -1,49 +1,45 @@
-//! From patches and request to a plan.
+//! From patches that are laid to a plan.
 
-use super::axis::{Axis, try_normalised};
+use super::axis::Axis;
 use super::fit::Ends;
+use super::ground::Ground;
 use super::knots::{Knots, interiors};
 use super::layout::Layout;
 use super::plan::{BlockRows, Line, MergePlan};
 use super::search::{Choice, choose, parameters};
-use super::{DegreeRule, Hidden, MergeError, MergeMethod, MergeSpec, Merged, Turn, overlap};
-use palpate_geometry::math::first_outside;
+use super::sheet::Sheet;
+use super::{Hidden, HideBy, MergeError, MergeMethod, MergeSpec, Merged, Turn};
 use palpate_geometry::surface::{Direction, Surface};
 
-/// Rows and columns of points that a patch may be given.
-const POINTS: [usize; 2] = [5, 1001];
 /// Rows of points by which knots are chosen.
 const SEARCH_ROWS: usize = 34;
 
 /// A merge that is ready to be done.
 pub(super) struct Job {
     /// As the layout places them.
-    pub turned: Vec<Surface>,
-    pub layout: Layout,
+    pub sheets: Vec<Sheet>,
+    layout: Layout,
     /// The patches along u and along v.
     pub axes: [Axis; 2],
     pub choices: [Choice; 2],
     /// (blocks) for u and v: where the patches are sampled.
     pub fractions: [Vec<Vec<f64>>; 2],
-    pub ends: Ends,
+    ends: Ends,
 }
 
 impl Job {
-    pub(super) fn new(surfaces: &[Surface], spec: &MergeSpec) -> Result<Self, MergeError> {
-        check_spec(spec)?;
-        check_nets(surfaces)?;
-        check_knots(surfaces)?;
-        let layout = Layout::new(surfaces, spec.arrangement)?;
-        let turned: Vec<Surface> = layout
-            .places
-            .iter()
-            .map(|p| p.turn.of(&surfaces[p.patch]))
-            .collect();
-        let degrees = degrees(&turned, &layout, spec)?;
-        let fractions = fractions(surfaces, &turned, &layout, spec)?;
+    pub(super) fn new(
+        surfaces: &[Surface],
+        ground: &Ground,
+        spec: &MergeSpec,
+        by: HideBy,
+    ) -> Result<Self, MergeError> {
+        let sheets = ground.sheets(surfaces, by)?;
+        let layout = ground.layout.clone();
+        let fractions = fractions(surfaces, ground, &sheets, spec)?;
         let direction = [Direction::U, Direction::V];
         let axis = |d: usize, rows: &[Vec<f64>]| {
-            Axis::new(&turned, &layout, direction[d], degrees[d], rows)
+            Axis::new(&sheets, &layout, direction[d], ground.degrees[d], rows)
         };
         let axes = [0, 1].map(|d| axis(d, &fractions[d]));
         let choices = match spec.method {
@@ -61,35 +57,29 @@ impl Job {
             Ends::Held
         };
         let job = Self {
-            turned,
+            sheets,
             layout,
             axes,
             choices,
             fractions,
             ends,
         };
-        job.check_rows()?;
+        job.check_rows(ground.across())?;
         Ok(job)
     }
 
-    pub(super) fn plan(&self) -> Result<MergePlan, MergeError> {
-        Ok(MergePlan::new(
-            &self.turned,
-            self.layout.clone(),
-            [self.line(0)?, self.line(1)?],
-            self.ends,
-        ))
-    }
-
     pub(super) fn merged(&self) -> Result<Merged, MergeError> {
-        let plan = self.plan()?;
+        let lines = [self.line(0)?, self.line(1)?];
+        let plan = MergePlan::new(&self.sheets, self.layout.clone(), lines, self.ends);
         Ok(Merged {
-            surface: plan.combined(&self.turned)?,
+            surface: plan.combined(&self.sheets)?,
             layout: self.layout.clone(),
             rows: [Direction::U, Direction::V].map(|d| plan.rows(d).to_vec()),
             seams: plan.seams(),
             plan: Some(plan),
             within_tolerance: None,
+            readings: Vec::new(),
+            hide_by: None,
         })
     }
 
@@ -121,22 +111,27 @@ impl Job {
         })
     }
 
-    /// Enough rows for the control points of every patch.
-    fn check_rows(&self) -> Result<(), MergeError> {
+    /// Enough rows for the control points of every patch, `across` the seam of those that are reached at all.
+    fn check_rows(&self, across: usize) -> Result<(), MergeError> {
         for (d, axis) in self.axes.iter().enumerate() {
             let inner = interiors(axis);
             for (block, fractions) in self.fractions[d].iter().enumerate() {
                 let needed = inner[block].len() + axis.degree + 1;
-                if fractions.len() < needed {
-                    let place = if d == 0 {
-                        block * self.layout.columns
-                    } else {
-                        block
-                    };
+                let place = if d == 0 {
+                    block * self.layout.columns
+                } else {
+                    block
+                };
+                let reached = match &self.sheets[place].end {
+                    Some((_, graph)) if d == across => graph.most,
+                    _ => 1.0,
+                };
+                let rows = (reached * (fractions.len() - 1) as f64) as usize + 1;
+                if rows < needed {
                     let patch = self.layout.places[place].patch;
                     return Err(MergeError::TooFewRows {
                         patch,
-                        rows: fractions.len(),
+                        rows,
                         needed,
                     });
                 }
@@ -146,108 +141,26 @@ impl Job {
     }
 }
 
-pub(super) fn check_spec(spec: &MergeSpec) -> Result<(), MergeError> {
-    let [least, most] = POINTS;
-    if !(least..=most).contains(&spec.points) {
-        return Err(MergeError::Points {
-            given: spec.points,
-            least,
-            most,
-        });
-    }
-    if !(spec.least_span > 0.0 && spec.least_span < 0.5) {
-        let wanted = "it is a share of a patch above 0 and below 0.5";
-        return Err(MergeError::Value {
-            name: "least_span",
-            value: spec.least_span,
-            wanted,
-        });
-    }
-    if let Some(value) = spec.tolerance_m.filter(|t| !(*t > 0.0 && t.is_finite())) {
-        return Err(MergeError::Value {
-            name: "tolerance_m",
-            value,
-            wanted: "it is a length above 0",
-        });
-    }
-    Ok(())
-}
-
-/// Nets are finite and nothing is weighted.
-pub(super) fn check_nets(surfaces: &[Surface]) -> Result<(), MergeError> {
-    for (patch, surface) in surfaces.iter().enumerate() {
-        if surface
-            .weights()
-            .is_some_and(|w| w.iter().any(|x| *x != w[0]))
-        {
-            return Err(MergeError::Rational { patch });
-        }
-        // Nets move after they were checked.
-        if let Some((index, _)) = first_outside(surface.net().points()) {
-            return Err(MergeError::NotFinite { patch, index });
-        }
-    }
-    Ok(())
-}
-
-/// Knots can be scaled to [0, 1] without losing a span.
-pub(super) fn check_knots(surfaces: &[Surface]) -> Result<(), MergeError> {
-    for (patch, surface) in surfaces.iter().enumerate() {
-        let clamped = surface.clamped();
-        for (direction, name) in [(Direction::U, 'u'), (Direction::V, 'v')] {
-            if let Err(source) = try_normalised(clamped.knots(direction)) {
-                return Err(MergeError::Spans {
-                    patch,
-                    direction: name,
-                    source,
-                });
-            }
-        }
-    }
-    Ok(())
-}
-
-/// Merged degrees in u and v.
-pub(super) fn degrees(
-    turned: &[Surface],
-    layout: &Layout,
-    spec: &MergeSpec,
-) -> Result<[usize; 2], MergeError> {
-    let of = |direction| turned.iter().map(move |s| s.knots(direction).degree());
-    let chosen = |direction| match spec.degree {
-        DegreeRule::Raise => of(direction).max(),
-        DegreeRule::Lower => of(direction).min(),
-    };
-    let [u, v] =
-        [Direction::U, Direction::V].map(|d| chosen(d).expect("there are two patches or more"));
-    for (blocks, degree, direction) in [(layout.rows, u, 'u'), (layout.columns, v, 'v')] {
-        if blocks > 1 && spec.continuity >= degree {
-            return Err(MergeError::Continuity {
-                continuity: spec.continuity,
-                degree,
-                direction,
-            });
-        }
-    }
-    Ok([u, v])
-}
-
 /// Where the blocks are sampled: evenly, less what is hidden.
 fn fractions(
     surfaces: &[Surface],
-    turned: &[Surface],
-    layout: &Layout,
+    ground: &Ground,
+    sheets: &[Sheet],
     spec: &MergeSpec,
 ) -> Result<[Vec<Vec<f64>>; 2], MergeError> {
+    let layout = &ground.layout;
     let even = evenly(spec.points);
-    let mut all = [vec![even.clone(); layout.rows], vec![even; layout.columns]];
-    if turned.len() > 2 {
+    let mut all = [
+        vec![even.clone(); layout.rows],
+        vec![even.clone(); layout.columns],
+    ];
+    if sheets.len() > 2 {
         if let Some(hidden) = spec.hidden.first() {
             return Err(refused(hidden, "only two patches can have hidden parts"));
         }
         return Ok(all);
     }
-    let d = if layout.rows == 2 { 0 } else { 1 };
+    let d = ground.across();
     let mut shown = [[0.0_f64, 1.0_f64]; 2];
     for hidden in &spec.hidden {
         let (place, [start, end]) = hidden_part(hidden, surfaces, layout, d)?;
@@ -258,22 +171,32 @@ fn fractions(
             *last = last.min(start);
         }
     }
-    let direction = [Direction::U, Direction::V][d];
-    if spec.find_overlap
-        && spec.hidden.is_empty()
-        && let Some([first, second]) = overlap::beyond_crossing(&turned[0], &turned[1], direction)
-    {
-        shown[0][1] = first;
-        shown[1][0] = second;
+    if let Some(rim) = &ground.rims[0] {
+        shown[0][1] = rim.least;
+    }
+    if let Some(rim) = &ground.rims[1] {
+        shown[1][0] = 1.0 - rim.least;
     }
     for (place, [start, end]) in shown.into_iter().enumerate() {
-        all[d][place].retain(|&f| f >= start && f <= end);
-        if all[d][place].len() < 2 {
-            let needed = turned[place].knots(direction).count();
+        let rows = &mut all[d][place];
+        if let Some((edge, graph)) = &sheets[place].end {
+            let from_outside = |f: &f64| match edge.at_end() {
+                true => graph.mean * f,
+                false => 1.0 - graph.mean * (1.0 - f),
+            };
+            *rows = even.iter().map(from_outside).collect();
+            continue;
+        }
+        rows.retain(|&f| f >= start && f <= end);
+        if rows.len() < 2 {
+            let needed = sheets[place]
+                .surface
+                .knots([Direction::U, Direction::V][d])
+                .count();
             let patch = layout.places[place].patch;
             return Err(MergeError::TooFewRows {
                 patch,
-                rows: all[d][place].len(),
+                rows: rows.len(),
                 needed,
             });
         }

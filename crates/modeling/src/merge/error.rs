@@ -122,6 +122,29 @@ pub enum MergeError {
         /// What is wrong with it.
         reason: &'static str,
     },
+    /// A curve, of a trim or a crossing, on which lines across the seam cannot end; or a trim that leaves no outer edge.
+    #[error(
+        "patch {patch} does not end on a graph over its seam: the curve of its trim, or in which it crosses the other patch, \
+         {what} at u = {u}, v = {v}; each line across the seam must have one end on it"
+    )]
+    NoGraph {
+        /// Which patch, from 0.
+        patch: usize,
+        /// What is wrong with the curve.
+        what: &'static str,
+        /// Where, in the parameters of the patch: u.
+        u: f64,
+        /// And v.
+        v: f64,
+    },
+    /// Trims where none can be.
+    #[error("{given} patches with trims: {reason}")]
+    Trims {
+        /// Patches given.
+        given: usize,
+        /// Why not.
+        reason: &'static str,
+    },
     /// Fewer rows of points than control points.
     #[error(
         "patch {patch} shows {rows} rows of points, too few for its {needed} control points: exclude less, or use more points"

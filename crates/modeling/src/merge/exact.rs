@@ -11,12 +11,14 @@
 //! the seam and the seam itself do, and no others.
 
 use super::axis::{Axis, normalised};
-use super::build::{check_knots, check_nets, check_spec, degrees, evenly};
+use super::build::evenly;
 use super::fit::Band;
+use super::ground::{check_knots, check_nets, check_spec, degrees};
 use super::layout::Layout;
 use super::overlap::gap_m;
 use super::plan::BlockRows;
 use super::search::{intervals, parameters};
+use super::sheet::Sheet;
 use super::{DegreeRule, MergeError, MergeSpec, Merged, Seam};
 use palpate_geometry::basis::{KnotError, KnotVector};
 use palpate_geometry::math::Point3;
@@ -35,6 +37,7 @@ pub(super) fn merge(surfaces: &[Surface], spec: &MergeSpec) -> Result<Merged, Me
     check_knots(surfaces)?;
     for (unfit, what) in [
         (!spec.hidden.is_empty(), "hidden parts"),
+        (spec.trims.iter().any(Option::is_some), "trims"),
         (spec.tolerance_m.is_some(), "a tolerance"),
         (spec.degree == DegreeRule::Lower, "a lower degree"),
     ] {
@@ -42,20 +45,17 @@ pub(super) fn merge(surfaces: &[Surface], spec: &MergeSpec) -> Result<Merged, Me
             return Err(MergeError::NotExact { what });
         }
     }
-    let layout = Layout::new(surfaces, spec.arrangement)?;
-    let turned: Vec<Surface> = layout
-        .places
-        .iter()
-        .map(|p| p.turn.of(&surfaces[p.patch]))
-        .collect();
+    let layout = Layout::new(surfaces, spec.arrangement, &[])?;
+    let turned = Sheet::laid(surfaces, &layout);
     check_meeting(&turned, &layout)?;
     let degrees = degrees(&turned, &layout, spec)?;
     let alike = common(&turned, &layout, degrees)?;
+    let sheets: Vec<Sheet> = alike.iter().cloned().map(Sheet::whole).collect();
     let directions = [Direction::U, Direction::V];
     let at = std::array::from_fn::<_, 2, _>(|d| {
         let blocks = if d == 0 { layout.rows } else { layout.columns };
         let axis = Axis::new(
-            &alike,
+            &sheets,
             &layout,
             directions[d],
             degrees[d],
@@ -73,7 +73,9 @@ pub(super) fn merge(surfaces: &[Surface], spec: &MergeSpec) -> Result<Merged, Me
     for d in [0, 1] {
         surface = smoothed(&surface, directions[d], &seams(d), spec.continuity)?;
     }
-    let flip = turned[layout.places.iter().position(|p| p.patch == 0).unwrap_or(0)].flip_normal();
+    let flip = turned[layout.places.iter().position(|p| p.patch == 0).unwrap_or(0)]
+        .surface
+        .flip_normal();
     let rows = std::array::from_fn(|d| {
         let fractions = evenly(spec.points);
         let of = |&interval| BlockRows {
@@ -95,17 +97,19 @@ pub(super) fn merge(surfaces: &[Surface], spec: &MergeSpec) -> Result<Merged, Me
         seams: all.into_iter().flatten().collect(),
         plan: None,
         within_tolerance: None,
+        readings: Vec::new(),
+        hide_by: None,
     })
 }
 
-fn check_meeting(turned: &[Surface], layout: &Layout) -> Result<(), MergeError> {
-    let size_m = turned.iter().map(Surface::size).fold(0.0, f64::max);
+fn check_meeting(turned: &[Sheet], layout: &Layout) -> Result<(), MergeError> {
+    let size_m = turned.iter().map(|s| s.surface.size()).fold(0.0, f64::max);
     for (k, a) in turned.iter().enumerate() {
         let (i, j) = (k / layout.columns, k % layout.columns);
         let below = (i + 1 < layout.rows).then_some((k + layout.columns, Direction::U));
         let right = (j + 1 < layout.columns).then_some((k + 1, Direction::V));
         for (l, direction) in below.into_iter().chain(right) {
-            let gap_m = gap_m(a, &turned[l], direction);
+            let gap_m = gap_m(&a.surface, &turned[l].surface, direction);
             if gap_m > MEET * size_m {
                 return Err(MergeError::Apart {
                     a: layout.places[k].patch,
@@ -120,12 +124,12 @@ fn check_meeting(turned: &[Surface], layout: &Layout) -> Result<(), MergeError> 
 
 /// The patches over [0, 1], of one degree, those of a block with the same knots along it.
 fn common(
-    turned: &[Surface],
+    turned: &[Sheet],
     layout: &Layout,
     degrees: [usize; 2],
 ) -> Result<Vec<Surface>, MergeError> {
     let mut patches = Vec::with_capacity(turned.len());
-    for patch in turned {
+    for Sheet { surface: patch, .. } in turned {
         let mut patch = Surface::new(
             normalised(patch.knots_u()),
             normalised(patch.knots_v()),

@@ -1,5 +1,6 @@
 //! Which patch lies where, and how it is turned, so that edges meet.
 
+use super::rim::{Misfit, Rim, facing, facing_back};
 use super::turn::Turn;
 use super::{Arrangement, Edge, MergeError};
 use palpate_geometry::math::Point3;
@@ -34,16 +35,28 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// Lays the patches as asked, and refuses those that cannot be joined.
+    /// Lays the patches as asked, and refuses those that cannot be joined. A trimmed patch is joined where it ends.
     ///
     /// # Errors
     /// A count that does not fit, sides that are not edges, edges too far apart or meeting only in part.
-    pub(super) fn new(surfaces: &[Surface], arrangement: Arrangement) -> Result<Self, MergeError> {
+    pub(super) fn new(
+        surfaces: &[Surface],
+        arrangement: Arrangement,
+        rims: &[Option<Rims>],
+    ) -> Result<Self, MergeError> {
         let given = surfaces.len();
         if given < 2 {
             return Err(MergeError::TooFew { given });
         }
-        let grids: Vec<PatchGrid> = surfaces.iter().map(PatchGrid::new).collect();
+        let rims = rims
+            .iter()
+            .map(Option::as_ref)
+            .chain(std::iter::repeat(None));
+        let grids: Vec<PatchGrid> = (surfaces.iter().zip(rims))
+            .map(|(surface, rims)| {
+                PatchGrid::new(surface, rims, arrangement == Arrangement::Closest)
+            })
+            .collect();
         let (layout, cost) = match arrangement {
             Arrangement::Closest | Arrangement::Edges(_) if given > 2 => {
                 return Err(MergeError::NoGrid { given });
@@ -90,16 +103,57 @@ impl Layout {
     }
 }
 
+/// What the trim of a patch leaves, as each of its edges sees it.
+pub(super) struct Rims(pub [Result<Option<Rim>, Misfit>; 4]);
+
+impl Rims {
+    pub(super) fn at(&self, edge: Edge) -> &Result<Option<Rim>, Misfit> {
+        &self.0[edge as usize]
+    }
+}
+
 /// Places of a patch, evenly in its parameters.
 struct PatchGrid {
     points: Vec<Point3>,
     size_m: f64,
     /// u, v go round, or both ends meet.
     closed: [bool; 2],
+    /// Of a trimmed patch: where it ends before an edge.
+    ends: Vec<(Edge, [Point3; STEPS + 1])>,
+    /// Edges at which it does not end.
+    barred: Vec<Edge>,
+}
+
+/// Where lines to the edges of a patch end that end on a graph.
+fn ends(surface: &Surface, rims: &Rims) -> Vec<(Edge, [Point3; STEPS + 1])> {
+    let at = |direction, f: f64| {
+        let knots = surface.knots(direction);
+        knots.domain().0 + knots.length() * f
+    };
+    let graphs = Edge::ALL.into_iter().filter_map(|edge| {
+        let graph = rims.at(edge).as_ref().ok()?.as_ref()?.graph.as_ref().ok()?;
+        let points = std::array::from_fn(|k| {
+            let g = k as f64 / STEPS as f64;
+            let [u, v] = facing_back(edge, [graph.at(g), g]);
+            surface.point(at(Direction::U, u), at(Direction::V, v))
+        });
+        Some((edge, points))
+    });
+    graphs.collect()
+}
+
+/// All but the edges before which a patch ends; if there are none, those that no row of points reaches.
+fn barred(rims: &Rims, ends: &[(Edge, [Point3; STEPS + 1])]) -> Vec<Edge> {
+    let bars = |edge: &Edge| match rims.at(*edge) {
+        _ if !ends.is_empty() => ends.iter().all(|(end, _)| end != edge),
+        Ok(Some(rim)) => rim.least <= 0.0,
+        _ => false,
+    };
+    Edge::ALL.into_iter().filter(bars).collect()
 }
 
 impl PatchGrid {
-    fn new(surface: &Surface) -> Self {
+    fn new(surface: &Surface, rims: Option<&Rims>, any_edge: bool) -> Self {
         let at = |knots: &palpate_geometry::basis::KnotVector, k: usize| {
             knots.domain().0 + knots.length() * (k as f64 / STEPS as f64)
         };
@@ -108,6 +162,7 @@ impl PatchGrid {
         let points: Vec<Point3> = pairs
             .map(|(i, j)| surface.point(at(us, i), at(vs, j)))
             .collect();
+        let ends = rims.map_or_else(Vec::new, |rims| ends(surface, rims));
         let low = points.iter().fold(points[0], |low, p| low.inf(p));
         let high = points.iter().fold(points[0], |high, p| high.sup(p));
         let closed = surface
@@ -118,10 +173,14 @@ impl PatchGrid {
             points,
             size_m: (high - low).norm(),
             closed,
+            barred: (rims.filter(|_| any_edge)).map_or_else(Vec::new, |rims| barred(rims, &ends)),
+            ends,
         }
     }
 
     fn edge(&self, turn: Turn, edge: Edge) -> [Point3; STEPS + 1] {
+        let source = turn.source(edge);
+        let end = self.ends.iter().find(|(at, _)| *at == source);
         std::array::from_fn(|k| {
             let along = k as f64 / STEPS as f64;
             let place = match edge {
@@ -130,9 +189,11 @@ impl PatchGrid {
                 Edge::V0 => [along, 0.0],
                 Edge::V1 => [along, 1.0],
             };
-            let [i, j] = turn
-                .back(place)
-                .map(|x| (x * STEPS as f64).round() as usize);
+            let place = turn.back(place);
+            if let Some((_, points)) = end {
+                return points[(facing(source, place)[1] * STEPS as f64).round() as usize];
+            }
+            let [i, j] = place.map(|x| (x * STEPS as f64).round() as usize);
             self.points[i * (STEPS + 1) + j]
         })
     }
@@ -145,7 +206,9 @@ impl PatchGrid {
         } else {
             1
         }];
-        !closed && length(&self.edge(turn, edge)) > POINT * self.size_m
+        !self.barred.contains(&source)
+            && !closed
+            && length(&self.edge(turn, edge)) > POINT * self.size_m
     }
 }
 

@@ -1,9 +1,12 @@
 //! Merging: two or more patches become one B-spline surface of a chosen continuity.
 //!
 //! ```text
-//! build      patches and request ──▶ everything below, in this order
+//! ground     patches and request ──▶ checked and laid
+//!   rim        the curves on which a patch ends: rows before them, lines to them
 //!   layout     edges that meet, turns that make them meet, refusal of what cannot be joined
-//!   overlap    where two patches cross, and so which rows of points are left out
+//!   overlap    where two patches cross
+//!   sheet      a laid patch, its lines drawn so that they end on a curve
+//! build      the ground ──▶ everything below, in this order
 //!   axis       the patches seen along one direction, as bundles of lines
 //!   knots      knots end to end, the seam, and the knots that continuity frees
 //!   search     shares of the domain and places of the knots that miss least, on a few lines
@@ -11,6 +14,7 @@
 //!   plan       all that does not depend on nets, as a pair of small matrices for each patch ──▶ the merged net
 //! tolerance  the same with more and more knots
 //! exact      no fit: elevation and knot insertion
+//! reading    rows and lines, measured alike; the better one is taken
 //! report     what the merged surface misses, and its continuity as measured
 //! cases      seven cases to compare methods by
 //! ```
@@ -25,12 +29,16 @@ pub mod cases;
 mod error;
 mod exact;
 mod fit;
+mod ground;
 mod knots;
 mod layout;
 mod overlap;
 mod plan;
+mod reading;
 mod report;
+mod rim;
 mod search;
+mod sheet;
 mod spec;
 #[cfg(test)]
 mod tests;
@@ -40,8 +48,9 @@ mod turn;
 pub use error::MergeError;
 pub use layout::{Layout, Placed};
 pub use plan::{BlockRows, MergePlan};
+pub use reading::{Reading, Seen};
 pub use report::{CLOSE_M, Continuity, Deviation, Report};
-pub use spec::{Arrangement, DegreeRule, Edge, Hidden, MergeMethod, MergeSpec};
+pub use spec::{Arrangement, DegreeRule, Edge, Hidden, HideBy, MergeMethod, MergeSpec};
 pub use turn::Turn;
 
 use palpate_geometry::surface::{Direction, Surface};
@@ -70,6 +79,10 @@ pub struct Merged {
     pub plan: Option<MergePlan>,
     /// Whether the tolerance was reached, when there was one.
     pub within_tolerance: Option<bool>,
+    /// The ways that were tried where patches end on curves; else none.
+    pub readings: Vec<Reading>,
+    /// The one of them that was taken.
+    pub hide_by: Option<HideBy>,
 }
 
 /// Merges patches. Pure: surfaces in, a surface out.
@@ -97,16 +110,21 @@ pub struct Merged {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn merge(surfaces: &[Surface], spec: &MergeSpec) -> Result<Merged, MergeError> {
-    match spec.method {
-        MergeMethod::Exact => exact::merge(surfaces, spec),
-        MergeMethod::Seed | MergeMethod::Constrained => {
-            let job = build::Job::new(surfaces, spec)?;
-            match spec.tolerance_m {
-                Some(tolerance_m) if spec.method == MergeMethod::Constrained => {
-                    tolerance::merge(surfaces, job, tolerance_m)
-                }
-                _ => job.merged(),
+    if spec.method == MergeMethod::Exact {
+        return exact::merge(surfaces, spec);
+    }
+    let ground = ground::Ground::new(surfaces, spec)?;
+    let by = |by| {
+        let job = build::Job::new(surfaces, &ground, spec, by)?;
+        match spec.tolerance_m {
+            Some(tolerance_m) if spec.method == MergeMethod::Constrained => {
+                tolerance::merge(job, tolerance_m)
             }
+            _ => job.merged(),
         }
+    };
+    match ground.rims {
+        [None, None] => by(HideBy::Rows),
+        _ => reading::taken(surfaces, &ground, spec, by),
     }
 }

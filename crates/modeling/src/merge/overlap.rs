@@ -1,9 +1,6 @@
-//! Patches that cross: which part of each lies beyond the curve they cross in.
-//!
-//! Whole rows are left out: a patch ends before the first row that reaches the curve, so that
-//! nothing of it lies beyond.
+//! Patches that cross: the curves they cross in.
 
-use palpate_geometry::contact::pair::{PairSide, PairSolver};
+use palpate_geometry::contact::pair::{CurvePoint, PairSide, PairSolver};
 use palpate_geometry::math::Vector3;
 use palpate_geometry::surface::{ClosestSolver, Direction, Surface};
 
@@ -19,13 +16,13 @@ const NOTHING: f64 = 1e-6;
 /// Points compared along the edges.
 const STEPS: usize = 16;
 
-/// Fractions at which the first patch ends and the second starts along `direction`, when the two
-/// cross.
-pub(super) fn beyond_crossing(
+/// The curves in which two patches cross, on each in fractions (u, v) of its domain; none where they do not cross, or along their
+/// edges only.
+pub(super) fn crossing(
     first: &Surface,
     second: &Surface,
     direction: Direction,
-) -> Option<[f64; 2]> {
+) -> Option<[Vec<Vec<[f64; 2]>>; 2]> {
     let size_m = first.size() + second.size();
     if gap_m(first, second, direction) <= MEET * size_m || parted(first, second, SLACK * size_m) {
         return None;
@@ -42,22 +39,23 @@ pub(super) fn beyond_crossing(
         },
         CHORD * size_m,
     );
-    let places = curves
-        .iter()
-        .flat_map(|curve| &curve.points)
-        .map(|p| match direction {
-            Direction::U => [p.u, p.s],
-            Direction::V => [p.v, p.t],
-        });
-    let share = |surface: &Surface, t: f64| {
-        (t - surface.knots(direction).domain().0) / surface.knots(direction).length()
+    let share = |surface: &Surface, [u, v]: [f64; 2]| {
+        [(Direction::U, u), (Direction::V, v)]
+            .map(|(d, t)| (t - surface.knots(d).domain().0) / surface.knots(d).length())
     };
-    let (mut end, mut start) = (1.0_f64, 0.0_f64);
-    for [a, b] in places {
-        end = end.min(share(first, a));
-        start = start.max(share(second, b));
-    }
-    (end < 1.0 - NOTHING || start > NOTHING).then_some([end, start])
+    let on = |surface: &Surface, of: fn(&CurvePoint) -> [f64; 2]| -> Vec<Vec<[f64; 2]>> {
+        let points = curves.iter().map(|curve| &curve.points);
+        points
+            .map(|points| points.iter().map(|p| share(surface, of(p))).collect())
+            .collect()
+    };
+    let both = [on(first, |p| [p.u, p.v]), on(second, |p| [p.s, p.t])];
+    let d = if direction == Direction::U { 0 } else { 1 };
+    let reaches = |curves: &[Vec<[f64; 2]>], beyond: &dyn Fn(f64) -> bool| {
+        curves.iter().flatten().any(|p| beyond(p[d]))
+    };
+    let any = reaches(&both[0], &|f| f < 1.0 - NOTHING) || reaches(&both[1], &|f| f > NOTHING);
+    any.then_some(both)
 }
 
 /// A plane has all control points of one patch on one side and all of the other's on the other: the

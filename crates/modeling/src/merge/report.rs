@@ -2,9 +2,10 @@
 //! continuity as measured.
 
 use super::layout::Layout;
+use super::sheet::Sheet;
 use super::{BlockRows, Merged, Seam};
 use palpate_geometry::basis::Side;
-use palpate_geometry::math::Vector3;
+use palpate_geometry::math::{Point3, Vector3};
 use palpate_geometry::surface::{ClosestSolver, Direction, Frame, Surface};
 
 /// Places along a seam at which continuity is measured.
@@ -13,7 +14,7 @@ const PLACES: usize = 101;
 /// Distances of the patches' points from the merged surface.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Deviation {
-    /// Points measured: those of the patches that show.
+    /// Points measured: those of the patches that show, or where patches have hidden ranges those of the rows that are left.
     pub points: usize,
     /// Those not farther off than `close_m`.
     pub close: usize,
@@ -61,22 +62,25 @@ pub struct Report {
 pub const CLOSE_M: f64 = 1e-5;
 
 impl Merged {
-    /// Measures deviation and continuity; `surfaces` are those that were merged.
+    /// Measures deviation and continuity; `surfaces` are those that were merged. Where patches end on curves the deviation is
+    /// that of all points that show, of the reading that was taken.
     pub fn report(&self, surfaces: &[Surface]) -> Report {
-        let turned: Vec<Surface> = self
-            .layout
-            .places
-            .iter()
-            .map(|p| p.turn.of(&surfaces[p.patch]))
-            .collect();
+        let sheets = Sheet::laid(surfaces, &self.layout);
+        let measured = self.readings.iter().find_map(|reading| {
+            let taken = Some(reading.hide_by) == self.hide_by;
+            reading.outcome.as_ref().ok().filter(|_| taken)
+        });
         Report {
-            deviation: deviation_of(&self.distances(&turned)),
+            deviation: measured.map_or_else(
+                || deviation_of(&self.distances(&sheets)),
+                |seen| seen.deviation,
+            ),
             seams: self
                 .seams
                 .iter()
                 .map(|seam| (*seam, across(&self.surface, *seam)))
                 .collect(),
-            before: before(&turned, &self.layout),
+            before: before(&sheets, &self.layout),
         }
     }
 
@@ -84,12 +88,12 @@ impl Merged {
     ///
     /// The distance is that of the foot to which descent from the point's own parameters leads: the
     /// closest point of that neighbourhood, never farther than the surface at those parameters.
-    pub(super) fn distances(&self, turned: &[Surface]) -> Vec<f64> {
-        self.distances_on(turned, &self.rows)
+    pub(super) fn distances(&self, sheets: &[Sheet]) -> Vec<f64> {
+        self.distances_on(sheets, &self.rows)
     }
 
     /// Distances half way between the rows of points, where the fit had no data.
-    pub(super) fn distances_between(&self, turned: &[Surface]) -> Vec<f64> {
+    pub(super) fn distances_between(&self, sheets: &[Sheet]) -> Vec<f64> {
         let means = |x: &[f64]| {
             x.windows(2)
                 .map(|w| 0.5 * (w[0] + w[1]))
@@ -100,28 +104,31 @@ impl Merged {
             parameters: means(&rows.parameters),
         };
         let rows = [0, 1].map(|d: usize| self.rows[d].iter().map(between).collect());
-        self.distances_on(turned, &rows)
+        self.distances_on(sheets, &rows)
     }
 
-    fn distances_on(&self, turned: &[Surface], all_rows: &[Vec<BlockRows>; 2]) -> Vec<f64> {
+    fn distances_on(&self, sheets: &[Sheet], all_rows: &[Vec<BlockRows>; 2]) -> Vec<f64> {
         let solver = ClosestSolver::new(&self.surface);
         let mut all = Vec::new();
-        for (k, patch) in turned.iter().enumerate() {
+        for (k, sheet) in sheets.iter().enumerate() {
             let (i, j) = (k / self.layout.columns, k % self.layout.columns);
             let (rows, columns) = (&all_rows[0][i], &all_rows[1][j]);
             for (&f, &u) in rows.fractions.iter().zip(&rows.parameters) {
                 for (&g, &v) in columns.fractions.iter().zip(&columns.parameters) {
-                    let point =
-                        patch.point(place(patch, Direction::U, f), place(patch, Direction::V, g));
-                    let there = (self.surface.point(u, v) - point).norm();
-                    let foot = solver
-                        .local(&self.surface, &point, u, v)
-                        .map_or(there, |foot| foot.distance);
-                    all.push(foot.min(there));
+                    all.push(self.distance(&solver, &sheet.point([f, g]), [u, v]));
                 }
             }
         }
         all
+    }
+
+    /// Distance of a point, m, by descent from parameters of the merged surface.
+    pub(super) fn distance(&self, solver: &ClosestSolver, point: &Point3, [u, v]: [f64; 2]) -> f64 {
+        let there = (self.surface.point(u, v) - point).norm();
+        let foot = solver
+            .local(&self.surface, point, u, v)
+            .map_or(there, |foot| foot.distance);
+        foot.min(there)
     }
 }
 
@@ -173,9 +180,9 @@ pub(super) fn across(surface: &Surface, seam: Seam) -> Continuity {
 }
 
 /// Patches that meet, before they are merged.
-fn before(turned: &[Surface], layout: &Layout) -> Continuity {
+fn before(sheets: &[Sheet], layout: &Layout) -> Continuity {
     let mut worst = Continuity::default();
-    let at = |i: usize, j: usize| &turned[i * layout.columns + j];
+    let at = |i: usize, j: usize| &sheets[i * layout.columns + j].surface;
     for (i, j) in (0..layout.rows).flat_map(|i| (0..layout.columns).map(move |j| (i, j))) {
         let below = (i + 1 < layout.rows).then(|| (at(i, j), at(i + 1, j), Direction::U));
         let right = (j + 1 < layout.columns).then(|| (at(i, j), at(i, j + 1), Direction::V));

@@ -1,6 +1,6 @@
 //! What is asked of a merge.
 
-use palpate_geometry::surface::Direction;
+use palpate_geometry::surface::{Direction, Trim};
 
 /// How the merged net is found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -86,6 +86,31 @@ pub struct Hidden {
     pub range: [f64; 2],
 }
 
+/// What becomes of a patch that ends on a curve, and not on a row of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HideBy {
+    /// The source's: each row of points with one that is hidden is dropped, and what shows of it is bridged.
+    Rows,
+    /// Each line across the seam ends on the curve; the curve must be a graph over the seam.
+    Lines,
+}
+
+impl HideBy {
+    /// Both, with their names.
+    pub const ALL: [(&'static str, Self); 2] = [("rows", Self::Rows), ("lines", Self::Lines)];
+
+    /// The one of a name.
+    pub fn of(name: &str) -> Option<Self> {
+        let named = Self::ALL.into_iter().find(|(known, _)| *known == name);
+        named.map(|(_, by)| by)
+    }
+
+    /// As requests and reports call it.
+    pub fn name(self) -> &'static str {
+        Self::ALL[self as usize].0
+    }
+}
+
 /// What is asked of a merge.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MergeSpec {
@@ -99,8 +124,13 @@ pub struct MergeSpec {
     pub arrangement: Arrangement,
     /// Parts to leave out, of two patches.
     pub hidden: Vec<Hidden>,
-    /// Look for the curves in which two patches cross, and hide what lies beyond them.
+    /// What is kept of each patch, of two; patches that are not listed are whole.
+    pub trims: Vec<Option<Trim>>,
+    /// Look for the curves in which two patches cross, and hide what lies beyond them; not if something is hidden already.
     pub find_overlap: bool,
+    /// Where patches end on curves, of trims or of crossings. Without it both ways are tried, and the one with the smaller
+    /// standard deviation over all points that show is taken.
+    pub hide_by: Option<HideBy>,
     /// Rows and columns of points on each patch.
     pub points: usize,
     /// Least distance of a knot from its neighbours, as a share of the patch: how sharp a blend may
@@ -118,6 +148,8 @@ impl Default for MergeSpec {
             degree: DegreeRule::Raise,
             arrangement: Arrangement::Closest,
             hidden: Vec::new(),
+            trims: Vec::new(),
+            hide_by: None,
             find_overlap: true,
             points: 101,
             least_span: 0.02,

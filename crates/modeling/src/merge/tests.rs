@@ -1,6 +1,7 @@
 //! Merging as a whole.
 
 mod refusals;
+mod trimmed;
 mod whole;
 
 use palpate_geometry::basis::KnotVector;

@@ -8,8 +8,8 @@ use super::axis::Axis;
 use super::build::Job;
 use super::fit::{Ends, LineFit};
 use super::search::Data;
+use super::sheet::Sheet;
 use super::{MergeError, Merged};
-use palpate_geometry::surface::Surface;
 
 /// Most knots inserted in one merge.
 const MOST: usize = 96;
@@ -20,21 +20,11 @@ const LEAST_SPAN: f64 = 1e-5;
 /// Rows of the patches for each control point, at least.
 const ROWS_EACH: f64 = 1.5;
 
-pub(super) fn merge(
-    surfaces: &[Surface],
-    mut job: Job,
-    tolerance_m: f64,
-) -> Result<Merged, MergeError> {
-    let turned: Vec<Surface> = job
-        .layout
-        .places
-        .iter()
-        .map(|p| p.turn.of(&surfaces[p.patch]))
-        .collect();
+pub(super) fn merge(mut job: Job, tolerance_m: f64) -> Result<Merged, MergeError> {
     let mut merged = job.merged()?;
     let mut inserted = 0;
     loop {
-        let worst_m = worst(&merged, &turned, tolerance_m);
+        let worst_m = worst(&merged, &job.sheets, tolerance_m);
         if worst_m <= tolerance_m || inserted >= MOST {
             merged.within_tolerance = Some(worst_m <= tolerance_m);
             return Ok(merged);
@@ -54,13 +44,13 @@ pub(super) fn merge(
 
 /// Largest distance of all points and of those between them, m; between them only once the points
 /// themselves are near.
-fn worst(merged: &Merged, turned: &[Surface], tolerance_m: f64) -> f64 {
+fn worst(merged: &Merged, sheets: &[Sheet], tolerance_m: f64) -> f64 {
     let largest = |distances: Vec<f64>| distances.into_iter().fold(0.0, f64::max);
-    let at_points = largest(merged.distances(turned));
+    let at_points = largest(merged.distances(sheets));
     if at_points > tolerance_m {
         at_points
     } else {
-        at_points.max(largest(merged.distances_between(turned)))
+        at_points.max(largest(merged.distances_between(sheets)))
     }
 }
 

@@ -1,6 +1,7 @@
 //! The eight ways to lay a patch: its parameters swapped and reversed.
 
 use super::Edge;
+use super::rim::facing;
 use palpate_geometry::surface::{Direction, Surface};
 
 /// Parameters swapped, then reversed.
@@ -64,6 +65,17 @@ impl Turn {
             [_, 0.0] => Edge::V0,
             _ => Edge::V1,
         }
+    }
+
+    /// Whether the other parameter of an edge of the turned surface runs backwards on the surface as given.
+    pub(super) fn reverses_along(self, edge: Edge) -> bool {
+        let along = match edge {
+            Edge::U0 => [0.0, 1.0],
+            Edge::U1 => [1.0, 1.0],
+            Edge::V0 => [1.0, 0.0],
+            Edge::V1 => [1.0, 1.0],
+        };
+        facing(self.source(edge), self.back(along))[1] < 0.5
     }
 
     /// The turned surface's direction in which a direction of the surface as given runs, and

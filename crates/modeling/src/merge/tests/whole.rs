@@ -1,6 +1,7 @@
 //! What a merge gives back, against closed forms, exact operations and slow twins.
 
 use super::super::cases::cases;
+use super::super::sheet::Sheet;
 use super::super::turn::Turn;
 use super::super::*;
 use super::{halves, wavy};
@@ -240,16 +241,11 @@ fn distances_are_those_of_the_closest_points() {
         },
     )
     .unwrap();
-    let turned: Vec<Surface> = merged
-        .layout
-        .places
-        .iter()
-        .map(|p| p.turn.of(&case.patches[p.patch]))
-        .collect();
+    let turned = Sheet::laid(&case.patches, &merged.layout);
     let distances = merged.distances(&turned);
     let mut solver = ClosestSolver::new(&merged.surface);
     let mut k = 0;
-    for patch in &turned {
+    for Sheet { surface: patch, .. } in &turned {
         for i in 0..15 {
             for j in 0..15 {
                 let point = patch.point(i as f64 / 14.0, j as f64 / 14.0);
@@ -337,7 +333,11 @@ fn an_exact_merge_moves_only_what_is_next_to_the_seam() {
 #[test]
 fn crossing_patches_end_before_the_curve() {
     let case = &cases()[4];
-    let merged = merge(&case.patches, &case.spec).unwrap();
+    let rows = MergeSpec {
+        hide_by: Some(HideBy::Rows),
+        ..case.spec.clone()
+    };
+    let merged = merge(&case.patches, &rows).unwrap();
     let (a, b) = (&merged.rows[0][0].fractions, &merged.rows[0][1].fractions);
     assert!(a.len() < 101 && b.len() < 101 && merged.rows[1][0].fractions.len() == 101);
     // The last rows that show have not reached the other patch; the ones after them have,
