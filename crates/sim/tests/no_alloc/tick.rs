@@ -42,14 +42,19 @@ fn a_tick_on_a_rigid_body_allocates_nothing() {
 /// Over planes, fillets and edges, and over the B-splines of a thread.
 #[test]
 fn a_tick_on_a_part_allocates_nothing() {
-    for (name, middle, reach_m) in [
-        ("filleted_box", [0.03, 0.02, 0.01], 0.03),
-        ("thread", [0.0, 0.0, 0.015], 0.012),
+    let (ball, block) = (
+        "sphere = { radius_m = 0.003 }",
+        "box = { half_extents_m = [0.003, 0.002, 0.003] }",
+    );
+    for (name, middle, reach_m, shape) in [
+        ("filleted_box", [0.03, 0.02, 0.01], 0.03, ball),
+        ("filleted_box", [0.03, 0.02, 0.01], 0.03, block),
+        ("thread", [0.0, 0.0, 0.015], 0.012, ball),
     ] {
         let step = step_file(name);
         let mut world = World::new(&format!(
             "[[body]]\nid = \"part\"\nsurface = {{ inline = {{ step = '''\n{step}''' }} }}\n\
-             [[tool]]\nid = \"ball\"\nshape = {{ sphere = {{ radius_m = 0.003 }} }}\n\
+             [[tool]]\nid = \"ball\"\nshape = {{ {shape} }}\n\
              pose = {{ position = [0.2, 0.0, 0.0] }}\n\
              coupling = {{ stiffness_n_m = 500.0, damping_n_s_m = 0.0 }}\n\
              [[contact]]\npair = [\"ball\", \"part\"]\nfriction = {{ mu = 0.3 }}\n"
@@ -76,8 +81,39 @@ fn a_tick_on_a_part_allocates_nothing() {
             }
         });
         assert!(touched > 300, "{name}: only {touched} ticks in touch");
-        assert_eq!(count, 0, "{name}");
+        assert_eq!(count, 0, "{name} {shape}");
     }
+}
+
+#[test]
+fn a_tick_of_a_jelly_and_a_free_part_on_a_part_allocates_nothing() {
+    let part = |id: &str, more: &str| {
+        let step = step_file("filleted_box");
+        format!(
+            "[[body]]\nid = \"{id}\"\nsurface = {{ inline = {{ step = '''\n{step}''' }} }}\n{more}\n"
+        )
+    };
+    let mut world = World::new(&format!(
+        "[gravity]\nacceleration = [0.0, 0.0, -9.81]\n{}{}[[body]]\nid = \"jelly\"\n\
+         surface = {{ builtin = \"sphere\", size = 0.01 }}\nmodel = \"lattice\"\n\
+         pose = {{ position = [0.012, 0.02, 0.0305] }}\nlattice = {{ layers = 2, refine = \"none\" }}\n\
+         [[tool]]\nid = \"ball\"\npose = {{ position = [0.2, 0.0, 0.0] }}\n",
+        part("lower", ""),
+        part(
+            "upper",
+            "free = true\npose = { position = [0.03, 0.0, 0.0203] }"
+        )
+    ));
+    let count = allocations(|| {
+        for _ in 0..300 {
+            world.silent_in_place();
+        }
+    });
+    assert!(
+        world.scratch.contact_force_on(2).z > 0.0,
+        "nothing lies on it"
+    );
+    assert_eq!(count, 0);
 }
 
 #[test]
