@@ -41,7 +41,7 @@ pub(super) enum Misuse {
 /// A part (m) and the unit of its file.
 pub(super) struct LoadedPart {
     pub(super) part: Part,
-    /// As the file has it.
+    /// As the file has it, but for senses that it has wrongly.
     pub(super) brep: Brep,
     pub(super) length: LengthUnit,
     pub(super) unit: String,
@@ -55,16 +55,19 @@ pub(super) struct LoadedPart {
 }
 
 impl LoadedPart {
-    pub(super) fn new(imported: ImportedPart, path: &Path) -> anyhow::Result<Self> {
+    pub(super) fn new(
+        mut imported: ImportedPart,
+        partial: bool,
+        path: &Path,
+    ) -> anyhow::Result<Self> {
+        let part = imported.part(partial)?;
         let ImportedPart {
             brep,
             unit,
             solids,
             left_out,
-            mut notes,
+            notes,
         } = imported;
-        let part = Part::new(&brep)?;
-        notes.extend(part.senses().notes());
         Ok(Self {
             part,
             brep,

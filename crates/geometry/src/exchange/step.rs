@@ -23,9 +23,11 @@
 
 mod assembly;
 mod carriers;
+mod composite;
 mod curves;
 mod entity;
 mod faces;
+mod offset;
 mod part;
 mod pick;
 mod placement;
@@ -292,6 +294,8 @@ pub fn read(bytes: &[u8], pick: Pick) -> Result<Imported, StepError> {
     })
 }
 
+#[cfg(test)]
+mod entities_tests;
 #[cfg(test)]
 mod part_tests;
 #[cfg(test)]

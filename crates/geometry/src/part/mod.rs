@@ -5,7 +5,7 @@
 //! ```
 
 mod basins;
-mod bezier;
+pub(crate) mod bezier;
 mod brep;
 mod build;
 mod carrier;
@@ -34,6 +34,7 @@ pub(crate) use carrier::is_unit;
 pub use carrier::{Axes, Carrier};
 pub use closest::PartSolver;
 pub use curve::CurveProblem;
+pub(crate) use curve::{chain_between, chain_of};
 pub use foot::{PartFoot, Support};
 pub use measure::{PartMeasure, PartMoments};
 pub(crate) use minima::{Mark, PartMinima};

@@ -257,12 +257,17 @@ impl Bodies {
 
     /// What came of it.
     pub fn said(self, brep: &Brep) -> Senses {
-        let turned = (self.turned.iter().zip(&self.other_sense)).zip(&brep.faces);
+        let both = self.turned.iter().zip(&self.other_sense);
+        let changes: Vec<[bool; 2]> = both
+            .map(|(turned, other)| [turned ^ other, *turned])
+            .collect();
+        let turned = changes.iter().zip(&brep.faces);
         Senses {
             turned: turned
-                .filter(|((turned, other), _)| **turned || **other)
+                .filter(|(change, _)| change.contains(&true))
                 .map(|(_, face)| face.id)
                 .collect(),
+            changes,
             inside_out: self.inside_out,
             problems: self.problems,
         }
