@@ -41,6 +41,7 @@ mod write_part;
 pub use part::{ImportedPart, PlacedSolid, read_part};
 pub use pick::{PartLeftOut, PartPick};
 pub use write::write;
+pub(in crate::exchange) use write_part::written_unit;
 pub use write_part::{WritePartError, write_part};
 
 use super::spline::SplineError;

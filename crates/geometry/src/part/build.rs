@@ -247,6 +247,7 @@ impl<'a> Build<'a> {
             range_u: trim.extent()[0],
             trim,
             loops: chains.len(),
+            chains: Vec::new(),
         };
         self.boxes.push(self.face_box(&built, &chains));
         self.faces.push(built);
@@ -346,6 +347,13 @@ impl<'a> Build<'a> {
         solver: Option<&mut ClosestSolver>,
     ) -> Result<(), PartError> {
         let edge = &mut self.edges[e as usize];
+        if edge.gap_m > self.most_gap_m || edge.gap_m.is_nan() {
+            return Err(PartError::OffVertex {
+                edge: edge.id,
+                gap_m: edge.gap_m,
+                most_m: self.most_gap_m,
+            });
+        }
         let pcurve = match (carrier, solver) {
             (Carrier::Spline(surface), Some(solver)) => {
                 Some(PCurve::new(surface, solver, &edge.curve))
@@ -490,6 +498,9 @@ impl<'a> Build<'a> {
         part.closed = bodies.are_closed()
             && (brep.shells.iter()).all(|shell| shell.closed && shell.solid.is_some());
         part.senses = bodies.said(brep);
+        for (face, chains) in part.faces.iter_mut().zip(chains) {
+            face.chains = chains;
+        }
         Ok(part)
     }
 }

@@ -198,7 +198,7 @@ impl EdgeCurve {
     }
 
     /// Between two parameters that count segments; beyond the last one it begins anew.
-    fn part(&self, a: f64, b: f64) -> Result<Self, CurveProblem> {
+    pub fn part(&self, a: f64, b: f64) -> Result<Self, CurveProblem> {
         let count = self.segments();
         let mut points = Vec::new();
         let mut k = a.floor();
@@ -228,7 +228,8 @@ impl EdgeCurve {
         self.points.len() / (self.degree + 1)
     }
 
-    fn chain_segments(&self) -> Vec<Vec<Homogeneous>> {
+    /// Control points by segments.
+    pub fn chain_segments(&self) -> Vec<Vec<Homogeneous>> {
         let segments = self.points.chunks(self.degree + 1);
         segments.map(<[Homogeneous]>::to_vec).collect()
     }

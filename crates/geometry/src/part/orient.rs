@@ -258,15 +258,18 @@ impl Bodies {
     /// What came of it.
     pub fn said(self, brep: &Brep) -> Senses {
         let both = self.turned.iter().zip(&self.other_sense);
-        let changes: Vec<[bool; 2]> = both
+        let mut changes: Vec<[bool; 2]> = both
             .map(|(turned, other)| [turned ^ other, *turned])
             .collect();
-        let turned = changes.iter().zip(&brep.faces);
+        let turned: Vec<u64> = (changes.iter().zip(&brep.faces))
+            .filter(|(change, _)| change.contains(&true))
+            .map(|(_, face)| face.id)
+            .collect();
+        if turned.is_empty() {
+            changes.clear();
+        }
         Senses {
-            turned: turned
-                .filter(|(change, _)| change.contains(&true))
-                .map(|(_, face)| face.id)
-                .collect(),
+            turned,
             changes,
             inside_out: self.inside_out,
             problems: self.problems,

@@ -9,10 +9,9 @@ use super::curves::{parameter, plain};
 use super::entity::{Entity, File};
 use super::syntax::Value;
 use super::units::Context;
-use crate::basis::MAX_DEGREE;
 use crate::exchange::spline::FileCurve;
 use crate::math::{Point3, Vector3};
-use crate::part::bezier::{Homogeneous, elevated, projected};
+use crate::part::bezier::{Homogeneous, projected};
 use crate::part::{BrepCurve, chain_between, chain_of};
 use crate::surface::Curve;
 
@@ -34,30 +33,8 @@ pub(super) fn joined(
     context: &Context,
 ) -> Result<Curve, StepError> {
     let pieces = segments(file, entity, context, MOST_NESTED)?;
-    let degree = pieces.iter().map(|piece| piece.len() - 1).max();
-    let degree = degree.ok_or_else(|| entity.unreadable("a curve joined of no segments"))?;
-    if degree > MAX_DEGREE {
-        return Err(entity.unreadable("the degree of a segment is above 15"));
-    }
-    let mut points: Piece = Vec::with_capacity(pieces.len() * degree + 1);
-    for piece in &pieces {
-        let piece = elevated(piece, degree);
-        let factor = points.pop().map_or(1.0, |last| last[3] / piece[0][3]);
-        points.extend(piece.iter().map(|h| h.map(|x| x * factor)));
-    }
-    let (last, degree_times) = (pieces.len(), degree as u64);
-    let knots = (0..=last).map(|k| match k == 0 || k == last {
-        true => (k as f64, degree_times + 1),
-        false => (k as f64, degree_times),
-    });
-    let rational = points.iter().any(|h| h[3] != points[0][3]);
-    let weights = points.iter().map(|h| h[3]).collect();
-    let curve = FileCurve {
-        degree,
-        knots: knots.collect(),
-        points: points.iter().map(projected).collect(),
-        weights: rational.then_some(weights),
-    };
+    let curve = FileCurve::of_segments(&pieces);
+    let curve = curve.ok_or_else(|| entity.unreadable("a curve joined of no segments"))?;
     let id = entity.id;
     curve
         .build()

@@ -377,6 +377,21 @@ fn a_face_that_makes_no_part_is_left_out_if_wanted() {
     assert_eq!(error, "the part has no faces");
 }
 
+// Both the edge of the disc and its vertex are on the plane, and far from each other.
+#[test]
+fn an_edge_far_from_its_vertex_is_refused() {
+    let text = within_circle(0.0, "PLANE('',#21)").replace("'',(2.,0.,0.0)", "'',(2.5,0.,0.0)");
+    let message = read_text(&text)
+        .unwrap()
+        .part(false)
+        .unwrap_err()
+        .to_string();
+    assert!(
+        message.starts_with("edge #6 ends 5.000e-4 m from its vertex, more than the 2.0e-5 m"),
+        "{message}"
+    );
+}
+
 // What is written of a part whose faces were turned has nothing to turn, and is the part that was right from the start.
 #[test]
 fn senses_are_written_as_they_were_corrected() {
