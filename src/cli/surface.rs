@@ -160,7 +160,7 @@ impl SurfaceArg {
             (Err(StepError::NoFaces { .. }), Ok(one)) if any => self.loaded(one).map(surface),
             (part, _) => part
                 .map_err(anyhow::Error::from)
-                .and_then(|part| LoadedPart::new(part, &self.file))
+                .and_then(|part| LoadedPart::new(part, pick.partial, &self.file))
                 .map(|part| Opened::Part(Box::new(part)))
                 .with_context(|| self.named()),
         }

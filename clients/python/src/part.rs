@@ -62,15 +62,17 @@ impl Part {
             partial,
         };
         py.detach(|| {
-            let read = read_part(&bytes, &pick).map_err(|error| wrong(error.to_string()))?;
-            let made = part::Part::new(&read.brep).map_err(|error| wrong(error.to_string()))?;
+            let mut read = read_part(&bytes, &pick).map_err(|error| wrong(error.to_string()))?;
+            let made = read
+                .part(partial)
+                .map_err(|error| wrong(error.to_string()))?;
             Ok(Self {
                 measure: made.measure(),
                 left_out: match read.left_out.is_nothing() {
                     true => String::new(),
                     false => read.left_out.to_string(),
                 },
-                notes: [read.notes, made.senses().notes()].concat(),
+                notes: read.notes,
                 inner: Arc::new(made),
             })
         })

@@ -3,6 +3,7 @@
 //! Files that it wrote are kept in `tests/opencascade/`; the rest runs where Python has it (`pip
 //! install cadquery-ocp`; `PALPATE_PYTHON` names another Python than `python3`).
 
+use palpate_geometry::exchange::iges;
 use palpate_geometry::exchange::step::{PartPick, read_part, write_part};
 use palpate_geometry::exchange::{Format, Pick, read_surface, write_surface};
 use palpate_geometry::math::Point3;
@@ -235,5 +236,42 @@ fn opencascade_finds_our_parts_valid_and_as_large() {
         assert_eq!(found["faces"], part.faces().len(), "{name}");
         assert_eq!(found["solids"], read.solids.len(), "{name}");
         assert!(off.iter().all(|off| *off < 1e-6), "{name}: off by {off:?}");
+    }
+}
+
+// Faces alone: the format has no solids, so that there is no volume to ask for.
+#[test]
+fn opencascade_finds_trimmed_surfaces_of_our_parts_as_large() {
+    let Some(mut command) = python() else {
+        println!("skipped: this Python has no OCP (pip install cadquery-ocp)");
+        return;
+    };
+    let directory = tempfile::tempdir().unwrap();
+    let parts = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/parts");
+    let mut written = Vec::new();
+    for entry in std::fs::read_dir(parts).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_none_or(|ending| ending != "step") {
+            continue;
+        }
+        let name = path.file_stem().unwrap().to_str().unwrap().to_owned();
+        let mut read = read_part(&std::fs::read(&path).unwrap(), &PartPick::default()).unwrap();
+        let part = read.part(false).unwrap();
+        let text = iges::write_part(&part, &read.unit, &name).unwrap();
+        std::fs::write(directory.path().join(format!("{name}.igs")), text).unwrap();
+        written.push((name, part));
+    }
+    assert_eq!(written.len(), 12);
+    command.arg("parts").arg(directory.path());
+    run(command);
+    let text = std::fs::read_to_string(directory.path().join("parts.json")).unwrap();
+    let found: Value = serde_json::from_str(&text).unwrap();
+    for (name, part) in written {
+        let found = &found[&name];
+        let area_mm2 = part.measure().face_areas_m2.iter().sum::<f64>() * 1e6;
+        let off = (found["area"].as_f64().unwrap() / area_mm2 - 1.0).abs();
+        println!("{name}: {found}, area off by {off:.1e}");
+        assert_eq!(found["faces"], part.faces().len(), "{name}");
+        assert!(off < 1e-6, "{name}: off by {off}");
     }
 }

@@ -63,9 +63,9 @@ impl Fineness {
 pub struct ConvertArgs {
     #[command(flatten)]
     source: SurfaceArg,
-    /// Output file: .json, .step, .stp, .iges, .igs (a part: .step, .stp); or triangles as .stl, .obj, .glb.
+    /// Output file: .json, .step, .stp, .iges, .igs; or triangles as .stl, .obj, .glb.
     output: PathBuf,
-    /// Unit of the output file [default: m; of a part as STEP that of its file if it is m, cm, mm or inch, else mm].
+    /// Unit of the output file [default: m; of a part as STEP or IGES that of its file if it is m, cm, mm or inch, else mm].
     #[arg(long)]
     unit: Option<UnitName>,
     #[command(flatten)]
@@ -82,10 +82,10 @@ pub fn convert(args: &ConvertArgs) -> anyhow::Result<Outcome> {
         fineness: &args.fineness,
     };
     match (args.source.open()?, format) {
-        (Opened::Part(loaded), Format::Step) => {
+        (Opened::Part(loaded), Format::Step | Format::Iges) => {
             loaded.tell();
             let unit = args.unit.map(|unit| Unit::from(unit).into());
-            write(&args.output, loaded.step(unit)?.as_bytes())?;
+            write(&args.output, loaded.written(format, unit)?.as_bytes())?;
             Ok(loaded.outcome())
         }
         (Opened::Part(loaded), _) => made.of_part(&loaded),

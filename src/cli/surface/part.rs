@@ -1,8 +1,8 @@
 //! Parts as the commands take them: all trimmed faces of a STEP file.
 
 use crate::cli::Outcome;
-use palpate_geometry::exchange::LengthUnit;
-use palpate_geometry::exchange::step::{ImportedPart, PartLeftOut, PlacedSolid, write_part};
+use palpate_geometry::exchange::step::{self, ImportedPart, PartLeftOut, PlacedSolid};
+use palpate_geometry::exchange::{Format, LengthUnit, iges};
 use palpate_geometry::part::{Brep, Part, PartMesh};
 use std::path::{Path, PathBuf};
 
@@ -29,7 +29,7 @@ pub(super) enum Misuse {
     Cells,
     /// A format for one surface.
     #[error(
-        "a part of {faces} faces is written as .step or .stp, or as triangles: .stl, .obj or .glb; `--index N \
+        "a part of {faces} faces is written as .step or .stp, .igs or .iges, or as triangles: .stl, .obj or .glb; `--index N \
          --ignore-trims` takes one of its B-splines whole"
     )]
     Format { faces: usize },
@@ -41,7 +41,7 @@ pub(super) enum Misuse {
 /// A part (m) and the unit of its file.
 pub(super) struct LoadedPart {
     pub(super) part: Part,
-    /// As the file has it.
+    /// As the file has it, but for senses that it has wrongly.
     pub(super) brep: Brep,
     pub(super) length: LengthUnit,
     pub(super) unit: String,
@@ -55,16 +55,19 @@ pub(super) struct LoadedPart {
 }
 
 impl LoadedPart {
-    pub(super) fn new(imported: ImportedPart, path: &Path) -> anyhow::Result<Self> {
+    pub(super) fn new(
+        mut imported: ImportedPart,
+        partial: bool,
+        path: &Path,
+    ) -> anyhow::Result<Self> {
+        let part = imported.part(partial)?;
         let ImportedPart {
             brep,
             unit,
             solids,
             left_out,
-            mut notes,
+            notes,
         } = imported;
-        let part = Part::new(&brep)?;
-        notes.extend(part.senses().notes());
         Ok(Self {
             part,
             brep,
@@ -97,14 +100,21 @@ impl LoadedPart {
         }
     }
 
-    /// A STEP file of it, in the unit of its own file unless another is given.
-    pub(super) fn step(&self, unit: Option<LengthUnit>) -> anyhow::Result<String> {
+    /// A STEP or IGES file of it, in the unit of its own file unless another is given.
+    pub(super) fn written(
+        &self,
+        format: Format,
+        unit: Option<LengthUnit>,
+    ) -> anyhow::Result<String> {
         let name = self.solids.first().map_or("", |solid| &solid.name);
         let one = self.solids.iter().all(|solid| solid.name == name) && !name.is_empty();
         let of_file = self.path.file_stem().unwrap_or_default().to_string_lossy();
         let name = if one { name } else { &of_file };
         let unit = unit.unwrap_or_else(|| self.length.clone());
-        Ok(write_part(&self.brep, &unit, name)?)
+        Ok(match format {
+            Format::Iges => iges::write_part(&self.part, &unit, name)?,
+            _ => step::write_part(&self.brep, &unit, name)?,
+        })
     }
 
     /// Triangles within a tolerance (m).

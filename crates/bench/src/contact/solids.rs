@@ -213,10 +213,7 @@ impl Suite<'_> {
             .collect();
         let skin = Skin::from(surface.clone());
         let mut solver = SkinSolver::new(&skin);
-        let (mut exact, mut set) = (
-            MeshSolver::new(&skin, &tool_mesh.tool),
-            ContactSet::new(),
-        );
+        let (mut exact, mut set) = (MeshSolver::new(&skin, &tool_mesh.tool), ContactSet::new());
         let result = self.measure(n, &known, |k| {
             let (time, ()) = clocked(|| {
                 solver.net_changed();

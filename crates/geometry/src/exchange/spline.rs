@@ -8,6 +8,7 @@
 
 use crate::basis::{KnotError, KnotVector, MAX_DEGREE};
 use crate::math::Point3;
+use crate::part::bezier::{Homogeneous, elevated, projected};
 use crate::surface::{ControlNet, Curve, CurveError, Loaded, SAME_POINT, Surface, SurfaceError};
 
 /// Why values of a file make no surface, or a surface no file.
@@ -78,6 +79,30 @@ pub(super) struct FileCurve {
 }
 
 impl FileCurve {
+    /// Rational Bézier segments end to start, in the highest of their degrees; `None` without any.
+    pub fn of_segments(segments: &[Vec<Homogeneous>]) -> Option<Self> {
+        let degree = segments.iter().map(|segment| segment.len() - 1).max()?;
+        let mut points: Vec<Homogeneous> = Vec::with_capacity(segments.len() * degree + 1);
+        for segment in segments {
+            let segment = elevated(segment, degree);
+            let factor = points.pop().map_or(1.0, |last| last[3] / segment[0][3]);
+            points.extend(segment.iter().map(|h| h.map(|x| x * factor)));
+        }
+        let (last, times) = (segments.len(), degree as u64);
+        let knots = (0..=last).map(|k| match k == 0 || k == last {
+            true => (k as f64, times + 1),
+            false => (k as f64, times),
+        });
+        let rational = points.iter().any(|h| h[3] != points[0][3]);
+        let weights = points.iter().map(|h| h[3]).collect();
+        Some(Self {
+            degree,
+            knots: knots.collect(),
+            points: points.iter().map(projected).collect(),
+            weights: rational.then_some(weights),
+        })
+    }
+
     /// Our curve: the same points at the same parameters.
     pub fn build(self) -> Result<Curve, SplineError> {
         let count = self.points.len();

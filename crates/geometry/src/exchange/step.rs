@@ -23,9 +23,11 @@
 
 mod assembly;
 mod carriers;
+mod composite;
 mod curves;
 mod entity;
 mod faces;
+mod offset;
 mod part;
 mod pick;
 mod placement;
@@ -39,6 +41,7 @@ mod write_part;
 pub use part::{ImportedPart, PlacedSolid, read_part};
 pub use pick::{PartLeftOut, PartPick};
 pub use write::write;
+pub(in crate::exchange) use write_part::written_unit;
 pub use write_part::{WritePartError, write_part};
 
 use super::spline::SplineError;
@@ -293,6 +296,8 @@ pub fn read(bytes: &[u8], pick: Pick) -> Result<Imported, StepError> {
     })
 }
 
+#[cfg(test)]
+mod entities_tests;
 #[cfg(test)]
 mod part_tests;
 #[cfg(test)]

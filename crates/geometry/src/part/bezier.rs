@@ -7,7 +7,7 @@ use crate::math::{Point3, Vector3};
 const MOST_TERMS: usize = 3 * MAX_DEGREE;
 
 /// A control point times its weight, and the weight.
-pub(super) type Homogeneous = [f64; 4];
+pub(crate) type Homogeneous = [f64; 4];
 
 /// The point and the derivative of a segment at t, both homogeneous.
 pub(super) fn evaluate(points: &[Homogeneous], t: f64) -> (Homogeneous, Homogeneous) {
@@ -42,7 +42,7 @@ pub(super) fn slope(points: &[Homogeneous], t: f64) -> Vector3 {
 }
 
 /// Where a homogeneous point is.
-pub(super) fn projected(h: &Homogeneous) -> Point3 {
+pub(crate) fn projected(h: &Homogeneous) -> Point3 {
     Point3::new(h[0] / h[3], h[1] / h[3], h[2] / h[3])
 }
 
@@ -70,6 +70,25 @@ pub(super) fn between(points: &[Homogeneous], [a, b]: [f64; 2]) -> Vec<Homogeneo
         true => split(&upper, (b - a) / (1.0 - a)).0,
         false => upper,
     }
+}
+
+/// The same segment in a higher degree.
+pub(crate) fn elevated(points: &[Homogeneous], degree: usize) -> Vec<Homogeneous> {
+    let mut points = points.to_vec();
+    while points.len() <= degree {
+        let n = points.len();
+        let mut next = Vec::with_capacity(n + 1);
+        for k in 0..=n {
+            let t = k as f64 / n as f64;
+            next.push(match k {
+                0 => points[0],
+                _ if k == n => points[n - 1],
+                _ => mix(&points[k], &points[k - 1], t),
+            });
+        }
+        points = next;
+    }
+    points
 }
 
 /// A polynomial on [0, 1] by its Bernstein coefficients.

@@ -96,6 +96,17 @@ pub enum BrepBound {
     Vertex(u32),
 }
 
+impl BrepBound {
+    /// Walked the other way.
+    pub(crate) fn reverse(&mut self) {
+        if let Self::Loop(uses) = self {
+            uses.reverse();
+            uses.iter_mut()
+                .for_each(|(_, forward)| *forward = !*forward);
+        }
+    }
+}
+
 /// Faces that are connected.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BrepShell {
@@ -220,6 +231,44 @@ impl Brep {
         })
     }
 
+    /// Takes faces out that are marked, and edges that bound no other face.
+    pub(super) fn remove_faces(&mut self, gone: &[bool]) {
+        let renumbered = |keep: &[bool]| -> Vec<u32> {
+            let mut next = 0;
+            let number = |keep: &bool| {
+                let own = next;
+                next += u32::from(*keep);
+                own
+            };
+            keep.iter().map(number).collect()
+        };
+        let kept: Vec<bool> = gone.iter().map(|gone| !gone).collect();
+        let face_index = renumbered(&kept);
+        let mut all = kept.iter();
+        self.faces.retain(|_| all.next() == Some(&true));
+        for shell in &mut self.shells {
+            shell.faces.retain(|&f| kept[f as usize]);
+            (shell.faces.iter_mut()).for_each(|f| *f = face_index[*f as usize]);
+        }
+        let uses = |face: &mut BrepFace, act: &mut dyn FnMut(&mut u32)| {
+            for bound in &mut face.bounds {
+                if let BrepBound::Loop(uses) = bound {
+                    uses.iter_mut().for_each(|(edge, _)| act(edge));
+                }
+            }
+        };
+        let mut used = vec![false; self.edges.len()];
+        for face in &mut self.faces {
+            uses(face, &mut |edge| used[*edge as usize] = true);
+        }
+        let edge_index = renumbered(&used);
+        for face in &mut self.faces {
+            uses(face, &mut |edge| *edge = edge_index[*edge as usize]);
+        }
+        let mut all = used.iter();
+        self.edges.retain(|_| all.next() == Some(&true));
+    }
+
     /// Adds all that another has, beside what is here.
     pub fn add(&mut self, other: Self) {
         let [vertex, edge, face] =
@@ -294,10 +343,8 @@ impl BrepFace {
         let spline = matches!(carrier, Carrier::Spline(_));
         let mut bounds = self.bounds.clone();
         for bound in &mut bounds {
-            if let (BrepBound::Loop(uses), true) = (bound, mirrored) {
-                uses.reverse();
-                uses.iter_mut()
-                    .for_each(|(_, forward)| *forward = !*forward);
+            if mirrored {
+                bound.reverse();
             }
         }
         Ok(Self {

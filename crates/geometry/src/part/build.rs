@@ -1,7 +1,7 @@
 //! From a boundary to a part: edges with their gaps, faces with their loops, corners.
 
 use super::bezier;
-use super::brep::{Brep, BrepBound, BrepFace};
+use super::brep::{Brep, BrepBound, BrepEdge, BrepFace};
 use super::carrier::Carrier;
 use super::chart::Chart;
 use super::curve::EdgeCurve;
@@ -19,6 +19,8 @@ use std::f64::consts::TAU;
 const GAP_SAMPLES: usize = 64;
 /// Of the size: gaps that are no error of the file, beside twice what it declares.
 const MOST_GAP: f64 = 1e-3;
+/// Faces that are no part are looked for so often: with each that goes, what an edge may be off gets less.
+const MOST_ROUNDS: usize = 8;
 
 impl Part {
     /// Of a boundary.
@@ -35,6 +37,97 @@ impl Part {
         }
         build.finish()
     }
+
+    /// Of what a boundary has that makes a part: other faces are taken out of it, and returned by their former index with what
+    /// is wrong with each.
+    ///
+    /// # Errors
+    /// No face is left; or with each that goes others are lost, too often.
+    pub fn partly(brep: &mut Brep) -> Result<(Self, Vec<(u32, PartError)>), PartError> {
+        let mut indices: Vec<u32> = (0..brep.faces.len() as u32).collect();
+        let mut left_out = Vec::new();
+        for _ in 0..MOST_ROUNDS {
+            let bad = match problems(brep) {
+                Ok(part) => {
+                    left_out.sort_unstable_by_key(|(face, _)| *face);
+                    return Ok((part?, left_out));
+                }
+                Err(bad) => bad,
+            };
+            let mut gone = vec![false; brep.faces.len()];
+            for (face, problem) in bad {
+                gone[face] = true;
+                left_out.push((indices[face], problem));
+            }
+            brep.remove_faces(&gone);
+            let mut all = gone.iter();
+            indices.retain(|_| all.next() == Some(&false));
+        }
+        Self::new(brep).map(|part| (part, left_out))
+    }
+}
+
+/// The part, or the faces that are none and why.
+#[expect(clippy::type_complexity)]
+fn problems(brep: &Brep) -> Result<Result<Part, PartError>, Vec<(usize, PartError)>> {
+    if brep.faces.is_empty() {
+        return Ok(Err(PartError::Empty));
+    }
+    let edges: Vec<Result<Edge, PartError>> = brep.edges.iter().map(|e| made(brep, e)).collect();
+    let mut bad = Vec::new();
+    for (f, face) in brep.faces.iter().enumerate() {
+        let loops = face.bounds.iter().filter_map(|bound| match bound {
+            BrepBound::Loop(uses) => Some(uses),
+            BrepBound::Vertex(_) => None,
+        });
+        let wrong = loops
+            .flatten()
+            .find_map(|(edge, _)| edges[*edge as usize].as_ref().err());
+        bad.extend(wrong.map(|wrong| (f, wrong.clone())));
+    }
+    if !bad.is_empty() {
+        return Err(bad);
+    }
+    let mut build = match Build::new(brep) {
+        Ok(build) => build,
+        Err(error) => return Ok(Err(error)),
+    };
+    for f in 0..brep.faces.len() {
+        if let Err(problem) = build.add_face(f as u32) {
+            bad.push((f, problem));
+        }
+    }
+    match bad.is_empty() {
+        true => Ok(build.finish()),
+        false => Err(bad),
+    }
+}
+
+/// An edge without faces yet.
+fn made(brep: &Brep, edge: &BrepEdge) -> Result<Edge, PartError> {
+    let ends = edge.ends.map(|v| &brep.vertices[v as usize]);
+    let closed = edge.ends[0] == edge.ends[1];
+    let curve = EdgeCurve::new(&edge.curve, edge.along, ends, closed).map_err(|source| {
+        PartError::Edge {
+            id: edge.id,
+            source,
+        }
+    })?;
+    let off = |last: bool| {
+        let at = match last {
+            true => (curve.segments() - 1, 1.0),
+            false => (0, 0.0),
+        };
+        (curve.point(at) - ends[usize::from(last)]).norm()
+    };
+    let gap_m = off(false).max(off(true));
+    Ok(Edge {
+        id: edge.id,
+        curve,
+        ends: edge.ends,
+        sides: Vec::new(),
+        gap_m,
+    })
 }
 
 struct Build<'a> {
@@ -58,34 +151,8 @@ pub(super) type Chains = Vec<Vec<(u32, bool)>>;
 
 impl<'a> Build<'a> {
     fn new(brep: &'a Brep) -> Result<Self, PartError> {
-        let mut edges = Vec::with_capacity(brep.edges.len());
-        for edge in &brep.edges {
-            let ends = edge.ends.map(|v| &brep.vertices[v as usize]);
-            let closed = edge.ends[0] == edge.ends[1];
-            let curve =
-                EdgeCurve::new(&edge.curve, edge.along, ends, closed).map_err(|source| {
-                    PartError::Edge {
-                        id: edge.id,
-                        source,
-                    }
-                })?;
-            let off = |last: bool| {
-                let at = if last {
-                    (curve.segments() - 1, 1.0)
-                } else {
-                    (0, 0.0)
-                };
-                (curve.point(at) - ends[usize::from(last)]).norm()
-            };
-            let gap_m = off(false).max(off(true));
-            edges.push(Edge {
-                id: edge.id,
-                curve,
-                ends: edge.ends,
-                sides: Vec::new(),
-                gap_m,
-            });
-        }
+        let edges = brep.edges.iter().map(|edge| made(brep, edge));
+        let edges = edges.collect::<Result<Vec<Edge>, _>>()?;
         let vertices = brep.vertices.iter().map(|&point| Vertex {
             point,
             normal: Vector3::zeros(),
@@ -180,6 +247,7 @@ impl<'a> Build<'a> {
             range_u: trim.extent()[0],
             trim,
             loops: chains.len(),
+            chains: Vec::new(),
         };
         self.boxes.push(self.face_box(&built, &chains));
         self.faces.push(built);
@@ -279,6 +347,13 @@ impl<'a> Build<'a> {
         solver: Option<&mut ClosestSolver>,
     ) -> Result<(), PartError> {
         let edge = &mut self.edges[e as usize];
+        if edge.gap_m > self.most_gap_m || edge.gap_m.is_nan() {
+            return Err(PartError::OffVertex {
+                edge: edge.id,
+                gap_m: edge.gap_m,
+                most_m: self.most_gap_m,
+            });
+        }
         let pcurve = match (carrier, solver) {
             (Carrier::Spline(surface), Some(solver)) => {
                 Some(PCurve::new(surface, solver, &edge.curve))
@@ -423,6 +498,9 @@ impl<'a> Build<'a> {
         part.closed = bodies.are_closed()
             && (brep.shells.iter()).all(|shell| shell.closed && shell.solid.is_some());
         part.senses = bodies.said(brep);
+        for (face, chains) in part.faces.iter_mut().zip(chains) {
+            face.chains = chains;
+        }
         Ok(part)
     }
 }

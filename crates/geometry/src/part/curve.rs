@@ -198,7 +198,7 @@ impl EdgeCurve {
     }
 
     /// Between two parameters that count segments; beyond the last one it begins anew.
-    fn part(&self, a: f64, b: f64) -> Result<Self, CurveProblem> {
+    pub fn part(&self, a: f64, b: f64) -> Result<Self, CurveProblem> {
         let count = self.segments();
         let mut points = Vec::new();
         let mut k = a.floor();
@@ -226,6 +226,12 @@ impl EdgeCurve {
 
     pub fn segments(&self) -> usize {
         self.points.len() / (self.degree + 1)
+    }
+
+    /// Control points by segments.
+    pub fn chain_segments(&self) -> Vec<Vec<Homogeneous>> {
+        let segments = self.points.chunks(self.degree + 1);
+        segments.map(<[Homogeneous]>::to_vec).collect()
     }
 
     pub fn segment(&self, k: usize) -> &[Homogeneous] {
@@ -608,6 +614,62 @@ fn conic(
     let [a, m, b] = [a, a + da * s, b].map(|p| axes.to_world(&p));
     let points = vec![weighted(&a, 1.0), weighted(&m, w), weighted(&b, 1.0)];
     Ok(EdgeCurve::chain(2, points, Shape::Free))
+}
+
+/// The piece of a curve between two of its points, as rational Bézier segments; see [`EdgeCurve::new`].
+pub(crate) fn chain_of(
+    curve: &BrepCurve,
+    along: bool,
+    ends: [&Point3; 2],
+    closed: bool,
+) -> Result<Vec<Vec<Homogeneous>>, CurveProblem> {
+    let piece = EdgeCurve::new(curve, along, ends, closed)?;
+    Ok(piece.chain_segments())
+}
+
+/// The piece of a B-spline from one parameter of its domain to another, against the curve if not `along`. Where they come in
+/// the other order, it goes on past the end of a closed curve; of an open one it is what lies between them.
+pub(crate) fn chain_between(
+    curve: &Curve,
+    along: bool,
+    [from, to]: [f64; 2],
+) -> Vec<Vec<Homogeneous>> {
+    let (degree, points) = segments(curve);
+    let whole = EdgeCurve::chain(degree, points, Shape::Free);
+    let t = curve.knots().knots();
+    let spans: Vec<[f64; 2]> = (curve.knots().spans())
+        .map(|span| [t[span], t[span + 1]])
+        .collect();
+    let place = |x: f64| {
+        let k = spans.partition_point(|span| span[1] < x);
+        match spans.get(k) {
+            Some([a, b]) => k as f64 + ((x - a) / (b - a)).clamp(0.0, 1.0),
+            None => spans.len() as f64,
+        }
+    };
+    let [mut a, mut b] = if along { [from, to] } else { [to, from] }.map(place);
+    let full = whole.segments() as f64;
+    if b <= a {
+        let ends = [
+            whole.point((0, 0.0)),
+            whole.point((whole.segments() - 1, 1.0)),
+        ];
+        let size_m = (whole.points.iter())
+            .map(|h| (bezier::projected(h) - ends[0]).norm())
+            .fold(0.0, f64::max);
+        match (ends[0] - ends[1]).norm() <= 1e-7 * size_m {
+            true => b += full,
+            false => (a, b) = (b, a),
+        }
+    }
+    let mut pieces = whole
+        .part(a, b)
+        .map_or_else(|_| Vec::new(), |part| part.chain_segments());
+    if !along {
+        pieces.reverse();
+        pieces.iter_mut().for_each(|piece| piece.reverse());
+    }
+    pieces
 }
 
 /// The Bézier segments of a B-spline, and their degree.

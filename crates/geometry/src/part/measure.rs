@@ -129,7 +129,7 @@ impl Face {
             )
         };
         let arcs: f64 = (self.trim.walks())
-            .map(|walk| walk.integral(rule, chart, &inner))
+            .map(|walk| walk.integral(rule, &breaks[0], chart, &inner))
             .sum();
         let mut base = 0.0;
         for ([from, to], count) in self.trim.bases() {
@@ -246,12 +246,14 @@ impl Walk<'_> {
     fn integral(
         &self,
         rule: &[(f64, f64)],
+        breaks: &Breaks,
         chart: &super::chart::Chart,
         f: &impl Fn(f64, f64) -> f64,
     ) -> f64 {
         let Some((points, [from, to])) = self.points else {
-            let breaks = Breaks::Angle;
-            return over(rule, &breaks, self.u, |u| f(u, self.v));
+            let origin = chart.origin[0];
+            let along = self.u.map(|u| u + origin);
+            return over(rule, breaks, along, |u| f(u - origin, self.v));
         };
         if self.u[0] == self.u[1] || from == to {
             return 0.0;

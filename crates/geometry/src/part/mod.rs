@@ -5,7 +5,7 @@
 //! ```
 
 mod basins;
-mod bezier;
+pub(crate) mod bezier;
 mod brep;
 mod build;
 mod carrier;
@@ -13,6 +13,7 @@ mod chart;
 mod closest;
 mod curve;
 mod fan;
+pub(crate) mod flat;
 mod foot;
 mod ground;
 mod measure;
@@ -24,6 +25,7 @@ mod part;
 mod patch;
 pub(crate) mod pcurve;
 mod place;
+mod rectangle;
 mod senses;
 mod sharp;
 mod tree;
@@ -36,6 +38,8 @@ pub(crate) use carrier::is_unit;
 pub use carrier::{Axes, Carrier};
 pub use closest::PartSolver;
 pub use curve::CurveProblem;
+pub(crate) use curve::{chain_between, chain_of};
+pub use flat::FlatProblem;
 pub use foot::{PartFoot, Support};
 pub(crate) use ground::{CornerGround, EdgeGround, FaceGround};
 pub use measure::{PartMeasure, PartMoments};

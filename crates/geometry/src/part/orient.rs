@@ -257,12 +257,20 @@ impl Bodies {
 
     /// What came of it.
     pub fn said(self, brep: &Brep) -> Senses {
-        let turned = (self.turned.iter().zip(&self.other_sense)).zip(&brep.faces);
+        let both = self.turned.iter().zip(&self.other_sense);
+        let mut changes: Vec<[bool; 2]> = both
+            .map(|(turned, other)| [turned ^ other, *turned])
+            .collect();
+        let turned: Vec<u64> = (changes.iter().zip(&brep.faces))
+            .filter(|(change, _)| change.contains(&true))
+            .map(|(_, face)| face.id)
+            .collect();
+        if turned.is_empty() {
+            changes.clear();
+        }
         Senses {
-            turned: turned
-                .filter(|((turned, other), _)| **turned || **other)
-                .map(|(_, face)| face.id)
-                .collect(),
+            turned,
+            changes,
             inside_out: self.inside_out,
             problems: self.problems,
         }

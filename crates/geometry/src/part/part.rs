@@ -36,6 +36,19 @@ pub enum PartError {
         /// As allowed, m.
         most_m: f64,
     },
+    /// Vertices farther off than the file may be.
+    #[error(
+        "edge #{edge} ends {gap_m:.3e} m from its vertex, more than the {most_m:.1e} m that it may: repair the part in the \
+         CAD system that wrote the file"
+    )]
+    OffVertex {
+        /// In the file.
+        edge: u64,
+        /// As measured, m.
+        gap_m: f64,
+        /// As allowed, m.
+        most_m: f64,
+    },
     /// Loops that bound nothing.
     #[error("face #{id}: {source}")]
     Face {
@@ -76,6 +89,8 @@ pub(super) struct Face {
     /// Outside which nothing of it is.
     pub range_u: [f64; 2],
     pub loops: usize,
+    /// The loops, seams left out, with the face on the left.
+    pub chains: Vec<Vec<(u32, bool)>>,
     /// Where a B-spline ends, and is more than a pole: at the start and the end of u and of v.
     pub rims: [[bool; 2]; 2],
 }

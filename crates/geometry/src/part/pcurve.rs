@@ -120,6 +120,22 @@ pub(crate) struct FlatCurve {
     pub points: Vec<[f64; 2]>,
 }
 
+impl FlatCurve {
+    /// From place to place, straight.
+    pub fn line(a: [f64; 2], b: [f64; 2]) -> Self {
+        let at = |s: f64| std::array::from_fn(|k| a[k] + s * (b[k] - a[k]));
+        Self {
+            breaks: vec![0.0, 1.0],
+            points: vec![a, at(1.0 / 3.0), at(2.0 / 3.0), b],
+        }
+    }
+
+    /// The last place.
+    pub fn end(&self) -> [f64; 2] {
+        self.points[self.points.len() - 1]
+    }
+}
+
 /// Pictures of an edge in the parameters of the B-splines that it bounds, by their faces; in the sense of the edge's curve.
 /// Where a face is on both sides of the edge, and where a picture has gaps (at poles), there is none.
 pub(crate) fn pictures(brep: &Brep) -> Vec<Vec<(u32, FlatCurve)>> {
@@ -153,7 +169,7 @@ pub(crate) fn pictures(brep: &Brep) -> Vec<Vec<(u32, FlatCurve)>> {
 
 impl PCurve {
     /// All cubics as one curve, the other way round if not `along`; `None` where they do not meet.
-    fn joined(&self, along: bool) -> Option<FlatCurve> {
+    pub fn joined(&self, along: bool) -> Option<FlatCurve> {
         let place = |c: &Cubic, t: f64| c.segment as f64 + t;
         let first = self.cubics.first()?;
         let mut breaks = vec![place(first, first.t[0])];

@@ -1,5 +1,7 @@
 //! What is said of the senses of faces: what was turned, and why a part has no inside.
 
+use super::brep::Brep;
+
 /// `#id`s that a note lists.
 const LISTED: usize = 5;
 
@@ -12,6 +14,8 @@ pub struct Senses {
     pub inside_out: usize,
     /// Why the part has no inside; empty if it has one, or is a sheet.
     pub problems: Vec<SenseProblem>,
+    /// By face: its sense, its loops are turned.
+    pub(super) changes: Vec<[bool; 2]>,
 }
 
 /// Why a part has no inside.
@@ -63,6 +67,17 @@ pub enum SenseProblem {
 }
 
 impl Senses {
+    /// Turns in a boundary, the one that the part was made of, what was turned in the part: a part of it then has nothing to
+    /// turn.
+    pub fn correct(&self, brep: &mut Brep) {
+        for (face, [sense, loops]) in brep.faces.iter_mut().zip(&self.changes) {
+            face.same_sense ^= sense;
+            for bound in face.bounds.iter_mut().filter(|_| *loops) {
+                bound.reverse();
+            }
+        }
+    }
+
     /// A sentence for each thing that is otherwise than the file says.
     pub fn notes(&self) -> Vec<String> {
         let mut all = Vec::new();

@@ -2,7 +2,7 @@
 
 mod senses;
 
-use super::hand::{Maker, axes, bend, cone, dome, drilled, whole};
+use super::hand::{Maker, axes, bend, cone, dome, drilled, prism, whole};
 use super::*;
 use crate::math::{Matrix3, Point3, Random, Vector3};
 use std::f64::consts::PI;
@@ -86,6 +86,25 @@ fn areas_and_volumes_are_those_of_closed_forms() {
             assert!(part.gap_m() < 1e-15 * s, "{name}: {:e}", part.gap_m());
         }
     }
+}
+
+// Edges of 5e11 m whose lines miss their corners by 2e-4 of that: what is integrated between them took a step a metre.
+#[test]
+fn what_is_very_large_is_measured_at_once() {
+    let placing = Placing {
+        scale: 1e13,
+        ..Placing::default()
+    };
+    let square = [[0.0, 0.0], [0.05, 0.0], [0.05, 0.05], [0.0, 0.05]];
+    let mut brep = prism(&square, 0.05).placed(&placing).expect("in range");
+    for edge in &mut brep.edges {
+        if let BrepCurve::Line { direction, .. } = &mut edge.curve {
+            *direction = (*direction + Vector3::new(1.0, 2.0, 3.0) * 1e-4).normalize();
+        }
+    }
+    let part = Part::new(&brep).expect("a part");
+    let off = part.measure().area_m2 / (6.0 * 25e22) - 1.0;
+    assert!(off.abs() < 1e-3, "{off:e}");
 }
 
 /// Signed distances of the shapes above.

@@ -1,7 +1,7 @@
 """OpenCASCADE beside us: evaluates the surfaces of files, and writes files with surfaces of its own.
 
     kernel.py points DIRECTORY    points of the first face of each file that parameters.json names, to points.json
-    kernel.py parts DIRECTORY     what it makes of each STEP file of a part, to parts.json
+    kernel.py parts DIRECTORY     what it makes of each STEP or IGES file of a part, to parts.json
     kernel.py write DIRECTORY     files of every kind of surface, and expected.json
 
 `parameters.json` has a list of [u, v] for each file, `points.json` one of [x, y, z], in metres; `expected.json` both.
@@ -64,7 +64,7 @@ def evaluate(surface, parameters, per_unit):
 
 def part_of(path):
     """Whether it is valid, its faces and solids, and its volume (mm^3) and area (mm^2)."""
-    reader = STEPControl_Reader()
+    reader = STEPControl_Reader() if path.suffix == ".step" else IGESControl_Reader()
     if reader.ReadFile(str(path)) != IFSelect_RetDone:
         raise SystemExit(f"{path}: OpenCASCADE does not read it")
     reader.TransferRoots()
@@ -188,7 +188,7 @@ def main():
         (directory / "points.json").write_text(json.dumps(points))
     elif sys.argv[1] == "parts":
         directory = Path(sys.argv[2])
-        parts = {path.stem: part_of(path) for path in sorted(directory.glob("*.step"))}
+        parts = {path.stem: part_of(path) for path in sorted(directory.glob("*.*")) if path.suffix in (".step", ".igs")}
         (directory / "parts.json").write_text(json.dumps(parts))
     else:
         write(sys.argv[2])

@@ -158,10 +158,9 @@ impl SurfaceSpec {
             instance: self.instance,
             partial: false,
         };
-        let read = read_part(bytes, &pick).map_err(|e| e.to_string())?;
-        let part = Part::new(&read.brep).map_err(|e| e.to_string())?;
+        let mut read = read_part(bytes, &pick).map_err(|e| e.to_string())?;
+        let part = read.part(false).map_err(|e| e.to_string())?;
         let mut notes = read.notes;
-        notes.extend(part.senses().notes());
         if !read.left_out.is_nothing() {
             notes.push(format!("left out of the file: {}", read.left_out));
         }

@@ -1,6 +1,6 @@
 //! Entity 128 and the matrices, entity 124, that place it. IGES 5.3, §4.23 and §4.21.
 
-use super::IgesError;
+use super::error::IgesError;
 use super::sections::{Entry, File, INSTANCE, shortened};
 use crate::basis::MAX_DEGREE;
 use crate::exchange::LengthUnit;

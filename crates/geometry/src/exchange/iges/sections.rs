@@ -1,7 +1,7 @@
 //! The sections of an IGES file: lines by their letter in column 73, parameters by the delimiters
 //! of the global section.
 
-use super::IgesError;
+use super::error::IgesError;
 use crate::exchange::LengthUnit;
 use crate::exchange::number::parse;
 

@@ -1,4 +1,5 @@
 use super::*;
+use crate::exchange::SplineError;
 use crate::exchange::testing::{difference, every_prefix, mutations, small, surfaces};
 use crate::surface::builtin;
 use crate::surface::file::Unit;

@@ -6,6 +6,7 @@
 use super::StepError;
 use super::curves::{self, ROUND, Whole, ellipse, round_knots};
 use super::entity::{Entity, File};
+use super::offset;
 use super::surface;
 use super::units::Context;
 use crate::basis::KnotVector;
@@ -113,17 +114,37 @@ pub(super) fn read(
     rim: &Rim<'_>,
 ) -> Result<Found, StepError> {
     let (mut id, mut from, mut turned) = (id, from, false);
+    // Along the normal of the surface that the others lead to, m.
+    let mut offset_m = None;
     for _ in 0..MOST_NESTED {
         let entity = file.entity(id, from)?;
-        if entity.kind() != "RECTANGULAR_TRIMMED_SURFACE" {
-            let found = plain(file, &entity, context, rim)?;
-            return Ok(Found {
-                turned: found.turned != turned,
-                ..found
-            });
+        match entity.kind() {
+            // The face's own bounds lie inside; the parameters may run backwards.
+            "RECTANGULAR_TRIMMED_SURFACE" => {
+                if entity.flag(6)? != entity.flag(7)? {
+                    turned = !turned;
+                    offset_m = offset_m.map(|by_m: f64| -by_m);
+                }
+            }
+            "OFFSET_SURFACE" => {
+                let by_m = context.length.to_metres(entity.number(2)?);
+                if by_m.is_nan() || by_m.abs() > crate::math::MOST_COORDINATE_M {
+                    return Err(entity.value("the distance (m)", by_m, "within ±1e12"));
+                }
+                *offset_m.get_or_insert(0.0) += by_m;
+            }
+            _ => {
+                let mut found = plain(file, &entity, context, rim)?;
+                if let Some(by_m) = offset_m {
+                    let by_m = if found.turned { -by_m } else { by_m };
+                    let uncertainty_m = context.uncertainty_m;
+                    found.carrier =
+                        offset::moved(file, &entity, found.carrier, by_m, rim, uncertainty_m)?;
+                }
+                found.turned ^= turned;
+                return Ok(found);
+            }
         }
-        // The face's own bounds lie inside; the parameters may run backwards.
-        turned ^= entity.flag(6)? != entity.flag(7)?;
         (from, id) = (id, entity.reference(1)?);
     }
     Err(file
@@ -212,7 +233,7 @@ fn cone(
 }
 
 /// Axes at an apex, turned over where the face lies below it.
-fn into_nappe(axes: Axes, rim: &Rim<'_>) -> Axes {
+pub(super) fn into_nappe(axes: Axes, rim: &Rim<'_>) -> Axes {
     let heights = rim.vertices().map(|p| axes.z.dot(&(p - axes.origin)));
     let far = heights.fold(0.0, |a: f64, b: f64| if b.abs() > a.abs() { b } else { a });
     if far < 0.0 {

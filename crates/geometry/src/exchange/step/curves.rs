@@ -4,6 +4,7 @@
 //! trimmed one the whole is taken, since edges have ends of their own.
 
 use super::StepError;
+use super::composite;
 use super::entity::{Entity, File};
 use super::surface::implied;
 use super::syntax::Value;
@@ -55,7 +56,13 @@ pub(super) fn read(
             }
             "COMPOSITE_CURVE" => {
                 let [segment] = entity.references(1)?[..] else {
-                    return Err(entity.unreadable("curves joined of several cannot be edges here"));
+                    let curve = BrepCurve::Spline(composite::joined(file, &entity, context)?);
+                    let middle = None;
+                    return Ok(Whole {
+                        curve,
+                        along,
+                        middle,
+                    });
                 };
                 let segment = file.entity(segment, id)?;
                 along = along == segment.flag(1)?;
@@ -78,7 +85,7 @@ pub(super) fn read(
 }
 
 /// A trim's parameter, if the file gives it so.
-fn parameter(entity: &Entity<'_>, k: usize) -> Option<f64> {
+pub(super) fn parameter(entity: &Entity<'_>, k: usize) -> Option<f64> {
     let Some(Value::List(ways)) = entity.get(k) else {
         return None;
     };
@@ -106,7 +113,7 @@ fn middle(curve: &BrepCurve, a: f64, b: f64, along: bool, context: &Context) -> 
     }
 }
 
-fn plain(
+pub(super) fn plain(
     file: &File<'_, '_>,
     entity: &Entity<'_>,
     context: &Context,

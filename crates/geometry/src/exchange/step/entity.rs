@@ -5,7 +5,7 @@ use super::syntax::{Exchange, Record, Value};
 use super::units::Unit;
 use crate::math::{MOST_COORDINATE_M, Point3, Vector3, direction_of, first_outside};
 use crate::part::{Axes, is_unit};
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 
 /// How often a byte of the file may be read on average, and how many bytes anyway. What solids share is read once for
 /// each of them: files need two or three times.
@@ -17,6 +17,7 @@ pub(super) struct File<'a, 'b> {
     pub exchange: &'b Exchange<'a>,
     /// Bytes that may still be read.
     left: Cell<usize>,
+    notes: RefCell<Vec<String>>,
 }
 
 /// An instance with its values.
@@ -31,7 +32,21 @@ impl<'a, 'b> File<'a, 'b> {
         Self {
             exchange,
             left: Cell::new(most.saturating_add(ALWAYS_BYTES)),
+            notes: RefCell::default(),
         }
+    }
+
+    /// Says once what was taken otherwise than the file says.
+    pub fn note(&self, text: String) {
+        let mut notes = self.notes.borrow_mut();
+        if !notes.contains(&text) {
+            notes.push(text);
+        }
+    }
+
+    /// All that was noted.
+    pub fn notes(&self) -> Vec<String> {
+        self.notes.borrow().clone()
     }
 
     /// The instance that `from` refers to.

@@ -8,7 +8,7 @@ use super::syntax::{Exchange, Value};
 use super::topology::{self, SOLIDS};
 use super::units::{self, Context, Unit};
 use crate::exchange::LengthUnit;
-use crate::part::{Brep, BrepCurve, Carrier, Placing};
+use crate::part::{Brep, BrepCurve, Carrier, Part, PartError, Placing};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
@@ -42,6 +42,35 @@ pub struct PlacedSolid {
     pub instance: usize,
 }
 
+impl ImportedPart {
+    /// The part. Senses that were wrong in the file are turned in the boundary too, and noted. With `partial`, faces that make
+    /// no part are taken out of it and counted as left out.
+    ///
+    /// # Errors
+    /// See [`Part::new`] and [`Part::partly`].
+    pub fn part(&mut self, partial: bool) -> Result<Part, PartError> {
+        let part = match partial {
+            false => Part::new(&self.brep)?,
+            true => {
+                let names: Vec<&str> = self.brep.faces.iter().map(|f| f.carrier.name()).collect();
+                let (part, gone) = Part::partly(&mut self.brep)?;
+                for (face, error) in &gone {
+                    self.left_out.unfit(names[*face as usize], error);
+                }
+                let kept = |at: usize| at - gone.partition_point(|(f, _)| (*f as usize) < at);
+                for solid in &mut self.solids {
+                    solid.faces = kept(solid.faces.start)..kept(solid.faces.end);
+                }
+                self.solids.retain(|solid| !solid.faces.is_empty());
+                part
+            }
+        };
+        part.senses().correct(&mut self.brep);
+        self.notes.extend(part.senses().notes());
+        Ok(part)
+    }
+}
+
 /// Reads the boundary of a file's parts.
 ///
 /// # Errors
@@ -73,6 +102,7 @@ pub fn read_part(bytes: &[u8], pick: &PartPick) -> Result<ImportedPart, StepErro
         reader.put(&places, &mut brep, &mut solids)?;
     }
     let mut left_out = reader.left_out;
+    notes.extend(file.notes());
     left_out.solids = all.iter().filter(|id| !reader.taken.contains(id)).count();
     let Some(unit) = reader.unit.filter(|_| !brep.faces.is_empty()) else {
         return Err(StepError::NoFaces {

@@ -6,7 +6,7 @@ use crate::surface::Surface;
 use std::f64::consts::FRAC_PI_4;
 
 /// Millimetres, radians, 0.01 mm; and in #910 inches and degrees.
-const CONTEXTS: &str = "#900=(GEOMETRIC_REPRESENTATION_CONTEXT(3)GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT((#904))\
+pub(super) const CONTEXTS: &str = "#900=(GEOMETRIC_REPRESENTATION_CONTEXT(3)GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT((#904))\
     GLOBAL_UNIT_ASSIGNED_CONTEXT((#901,#902))REPRESENTATION_CONTEXT('',''));\
     #901=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.));#902=(NAMED_UNIT(*)PLANE_ANGLE_UNIT()SI_UNIT($,.RADIAN.));\
     #904=UNCERTAINTY_MEASURE_WITH_UNIT(LENGTH_MEASURE(0.01),#901,'','');\
@@ -15,16 +15,16 @@ const CONTEXTS: &str = "#900=(GEOMETRIC_REPRESENTATION_CONTEXT(3)GLOBAL_UNCERTAI
     #912=(CONVERSION_BASED_UNIT('DEGREE',#914)NAMED_UNIT(*)PLANE_ANGLE_UNIT());\
     #914=PLANE_ANGLE_MEASURE_WITH_UNIT(PLANE_ANGLE_MEASURE(0.01745329252),#902);";
 
-fn file(data: &str) -> String {
+pub(super) fn file(data: &str) -> String {
     format!("ISO-10303-21;\nHEADER;\nENDSEC;\nDATA;\n{data}\nENDSEC;\nEND-ISO-10303-21;\n")
 }
 
-fn read_text(data: &str) -> Result<ImportedPart, StepError> {
+pub(super) fn read_text(data: &str) -> Result<ImportedPart, StepError> {
     read_part(file(data).as_bytes(), &PartPick::default())
 }
 
 /// A face within a circle of radius 2 at height z; surface #10, which may refer to #20 and up.
-fn within_circle(z: f64, surface: &str) -> String {
+pub(super) fn within_circle(z: f64, surface: &str) -> String {
     format!(
         "{CONTEXTS}#1=CARTESIAN_POINT('',(2.,0.,{z:?}));#2=VERTEX_POINT('',#1);#3=CARTESIAN_POINT('',(0.,0.,{z:?}));\
          #4=AXIS2_PLACEMENT_3D('',#3,$,$);#5=CIRCLE('',#4,2.);#6=EDGE_CURVE('',#2,#2,#5,.T.);#7=ORIENTED_EDGE('',*,*,#6,.T.);\
@@ -35,14 +35,14 @@ fn within_circle(z: f64, surface: &str) -> String {
     )
 }
 
-fn face_of(data: &str) -> (Carrier, bool) {
+pub(super) fn face_of(data: &str) -> (Carrier, bool) {
     let read = read_text(data).unwrap();
     assert_eq!(read.brep.faces.len(), 1);
     let face = &read.brep.faces[0];
     (face.carrier.clone(), face.same_sense)
 }
 
-fn product(base: u64, name: &str, representation: u64) -> String {
+pub(super) fn product(base: u64, name: &str, representation: u64) -> String {
     let [a, b, c, d] = [1, 2, 3, 4].map(|k| base + k);
     format!(
         "#{base}=PRODUCT('{name}-1','{name}','',());#{a}=PRODUCT_DEFINITION_FORMATION('','',#{base});\
@@ -52,7 +52,12 @@ fn product(base: u64, name: &str, representation: u64) -> String {
 }
 
 /// A product's part in another's, both by their base; representations and frames in the order of the relation.
-fn usage(base: u64, [whole, part]: [u64; 2], ends: [u64; 2], frames: [u64; 2]) -> String {
+pub(super) fn usage(
+    base: u64,
+    [whole, part]: [u64; 2],
+    ends: [u64; 2],
+    frames: [u64; 2],
+) -> String {
     let [a, b, c, d] = [1, 2, 3, 4].map(|k| base + k);
     let ([e, f], [i, j], whole, part) = (ends, frames, whole + 2, part + 2);
     format!(
@@ -64,7 +69,7 @@ fn usage(base: u64, [whole, part]: [u64; 2], ends: [u64; 2], frames: [u64; 2]) -
 }
 
 /// The plane face as "disc" (#14), in an assembly "whole" (#50), whose frame #51 is at (10, 0, 0), or that in inches.
-fn assembly(context: u64) -> String {
+pub(super) fn assembly(context: u64) -> String {
     let disc = within_circle(0.0, "PLANE('',#21)");
     let (disc_product, whole) = (product(1000, "disc", 14), product(2000, "whole", 50));
     format!(
@@ -73,7 +78,7 @@ fn assembly(context: u64) -> String {
     )
 }
 
-fn data(name: &str) -> Vec<u8> {
+pub(super) fn data(name: &str) -> Vec<u8> {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/parts");
     std::fs::read(path.join(name)).unwrap()
 }
@@ -286,7 +291,7 @@ fn other_swept_surfaces_are_exact_b_splines() {
 }
 
 /// A unit cube of polygons, and what goes on behind its shell #30.
-fn cube(solid: &str) -> String {
+pub(super) fn cube(solid: &str) -> String {
     let mut text = CONTEXTS.to_owned();
     for k in 0..8 {
         let [x, y, z] = [k & 1, k >> 1 & 1, k >> 2];
@@ -552,8 +557,8 @@ fn what_is_wrong_is_named_with_its_number() {
         ),
         (
             "PLANE('',#21)",
-            "OFFSET_SURFACE('',#21,1.,.F.)",
-            "#10: OFFSET_SURFACE is not read: convert it",
+            "OFFSET_SURFACE('',#26,-2.,.F.);#26=SPHERICAL_SURFACE('',#21,2.)",
+            "#26: SPHERICAL_SURFACE is not read: it is offset inwards by its radius",
         ),
         (
             "PLANE('',#21)",

@@ -1,6 +1,7 @@
 //! What is asked of a file, and what a part has not of it.
 
 use super::StepError;
+use crate::part::PartError;
 use std::collections::BTreeMap;
 use std::fmt;
 
@@ -56,9 +57,18 @@ impl PartLeftOut {
             StepError::Unreadable { entity, .. } => entity.clone(),
             _ => on,
         };
+        self.one(name, error.to_string());
+    }
+
+    /// A face of a carrier that makes no part.
+    pub(super) fn unfit(&mut self, on: &str, error: &PartError) {
+        self.one(on.to_owned(), error.to_string());
+    }
+
+    fn one(&mut self, name: String, error: String) {
         *self.faces.entry(name).or_default() += 1;
         if self.errors.len() < MOST_NOTES {
-            self.errors.push(error.to_string());
+            self.errors.push(error);
         }
     }
 }

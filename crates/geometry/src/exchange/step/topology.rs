@@ -195,7 +195,7 @@ impl Reader<'_, '_, '_> {
         }
         let reversed = reversed == entity.flag(2)?;
         let walk = self.file.entity(entity.reference(1)?, id)?;
-        let mut uses = match walk.kind() {
+        let uses = match walk.kind() {
             "VERTEX_LOOP" => {
                 let vertex = self.vertex(walk.reference(1)?, walk.id)?;
                 return Ok(BrepBound::Vertex(vertex));
@@ -207,12 +207,11 @@ impl Reader<'_, '_, '_> {
             "POLY_LOOP" => self.polygon(&walk)?,
             _ => return Err(walk.unreadable("loops are EDGE_LOOP, VERTEX_LOOP or POLY_LOOP")),
         };
+        let mut bound = BrepBound::Loop(uses);
         if reversed {
-            uses.reverse();
-            uses.iter_mut()
-                .for_each(|(_, forward)| *forward = !*forward);
+            bound.reverse();
         }
-        Ok(BrepBound::Loop(uses))
+        Ok(bound)
     }
 
     /// The edges of a loop, or its vertex where none has a length.

@@ -103,7 +103,8 @@ pub fn write_part(brep: &Brep, unit: &LengthUnit, name: &str) -> Result<String, 
     ))
 }
 
-fn written_unit(unit: &LengthUnit) -> LengthUnit {
+/// m, cm, mm or inch.
+pub(in crate::exchange) fn written_unit(unit: &LengthUnit) -> LengthUnit {
     let known = [
         LengthUnit::of_metres("m", 1.0, 1.0),
         LengthUnit::of_metres("cm", 1.0, 1e2),
