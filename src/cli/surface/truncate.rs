@@ -64,7 +64,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     if two.within_tolerance() {
         return Ok(Outcome::Ok);
     }
-    eprintln!("note: the tolerance was not reached; the wall has creases, or give a larger --tolerance");
+    eprintln!(
+        "note: the tolerance was not reached; the wall has creases, or give a larger --tolerance"
+    );
     Ok(Outcome::Difference)
 }
 
@@ -166,5 +168,81 @@ fn print(two: &Truncated, names: &[String; 2], first: &Loaded, taken: Duration) 
             wall.uneven_m * length,
             wall.off_m * length,
         );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn volume_m3(path: &Path, part: Option<&str>) -> f64 {
+        let source = SurfaceArg {
+            file: path.to_owned(),
+            part: part.map(ToOwned::to_owned),
+            ..SurfaceArg::default()
+        };
+        match source.open().unwrap() {
+            Opened::Part(loaded) => {
+                let volume = loaded.part.measure().volume_m3;
+                volume.expect("it is closed")
+            }
+            Opened::Surface(_) => panic!("not one surface"),
+        }
+    }
+
+    // Two balls in one file and in two, read back: together they are the union, and each is what it was.
+    #[test]
+    fn truncated_parts_are_read_back_together_and_by_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let ball = palpate_geometry::surface::builtin("sphere", None, Some(0.05)).unwrap();
+        let other = ball.transformed(&palpate_geometry::math::Pose::translation(0.08, 0.0, 0.0));
+        let bodies: Vec<PathBuf> = [("one.json", &ball), ("two.json", &other)]
+            .map(|(name, surface)| {
+                let path = folder.path().join(name);
+                let text = palpate_geometry::surface::file::write(surface, Unit::Millimetre);
+                std::fs::write(&path, text).unwrap();
+                path
+            })
+            .into();
+        let args = |output: &str| Args {
+            bodies: bodies.clone(),
+            output: Some(folder.path().join(output)),
+            tolerance: None,
+            json: true,
+        };
+        assert_eq!(run(&args("both.step")).unwrap(), Outcome::Ok);
+        assert_eq!(run(&args("apart")).unwrap(), Outcome::Ok);
+        // Less a cap of height 10 mm.
+        let left = std::f64::consts::PI * (4.0 / 3.0 * 0.05f64.powi(3) - 1e-4 * 0.14 / 3.0);
+        let both = folder.path().join("both.step");
+        let apart = folder.path().join("apart/two.step");
+        for (path, part, count) in [
+            (&both, None, 2.0),
+            (&both, Some("one"), 1.0),
+            (&both, Some("two"), 1.0),
+            (&apart, None, 1.0),
+        ] {
+            let volume = volume_m3(path, part);
+            assert!(
+                (volume / (count * left) - 1.0).abs() < 1e-7,
+                "{part:?}: {volume}"
+            );
+        }
+        assert!(run(&args("both.json")).is_err(), "no format for parts");
+        let same = Args {
+            bodies: vec![bodies[0].clone(), bodies[0].clone()],
+            ..args("same.step")
+        };
+        assert!(
+            run(&same)
+                .unwrap_err()
+                .to_string()
+                .contains("lie on each other")
+        );
+        let part = Args {
+            bodies: vec![both.clone(), bodies[0].clone()],
+            ..args("part.step")
+        };
+        assert!(format!("{:#}", run(&part).unwrap_err()).contains("trimmed faces"));
     }
 }

@@ -225,14 +225,23 @@ impl Carrier {
                 let periods = self.periods();
                 let of = |knots: &KnotVector, period: f64| {
                     let once: Vec<f64> = knots.spans().map(|i| knots.knots()[i]).collect();
-                    let shifts: &[f64] = if period > 0.0 { &[-1.0, 0.0, 1.0] } else { &[0.0] };
-                    let all = shifts.iter().flat_map(|k| once.iter().map(move |t| t + k * period));
+                    let shifts: &[f64] = if period > 0.0 {
+                        &[-1.0, 0.0, 1.0]
+                    } else {
+                        &[0.0]
+                    };
+                    let all = shifts
+                        .iter()
+                        .flat_map(|k| once.iter().map(move |t| t + k * period));
                     Breaks::Knots {
                         at: all.collect(),
                         spans: once.len(),
                     }
                 };
-                [of(surface.knots_u(), periods[0]), of(surface.knots_v(), periods[1])]
+                [
+                    of(surface.knots_u(), periods[0]),
+                    of(surface.knots_v(), periods[1]),
+                ]
             }
         }
     }

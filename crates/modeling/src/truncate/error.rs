@@ -7,7 +7,9 @@ use palpate_geometry::part::PartError;
 #[non_exhaustive]
 pub enum TruncateError {
     /// An open surface.
-    #[error("body {body} (counted from 0) is open and bounds no solid: close it, by edges that meet or by poles")]
+    #[error(
+        "body {body} (counted from 0) is open and bounds no solid: close it, by edges that meet or by poles"
+    )]
     Open {
         /// Which one, from 0.
         body: usize,

@@ -97,10 +97,7 @@ impl<'a> Fields<'a> {
                 break;
             }
             // a · d = −φ_A and b · d = −φ_B, d in the plane of a and b.
-            let shares = [
-                (cos * phi[1] - phi[0]) / det,
-                (cos * phi[0] - phi[1]) / det,
-            ];
+            let shares = [(cos * phi[1] - phi[0]) / det, (cos * phi[0] - phi[1]) / det];
             q += a * shares[0] + b * shares[1];
         }
         best.1

@@ -91,7 +91,10 @@ fn along(sheet: &Sheet, ring: &[usize], rim: &Rim) -> Vec<f64> {
     let (sin, cos) = ahead.fold((0.0, 0.0), |sum, one| (sum.0 + one.0, sum.1 + one.1));
     let start = libm::atan2(sin, cos) / TAU;
     let lengths = &lengths[..ring.len()];
-    lengths.iter().map(|length| start + length / whole).collect()
+    lengths
+        .iter()
+        .map(|length| start + length / whole)
+        .collect()
 }
 
 fn disc(sheet: &Sheet, rim: &Rim) -> Option<Flat> {
@@ -147,20 +150,25 @@ fn ring(sheet: &Sheet, rims: [&Rim; 2]) -> Option<Flat> {
     }
     // The first loop goes up by one on its way round and steps back at the chain.
     let first = &sheet.loops[0].1;
-    let on_first = (0..first.len())
-        .find_map(|i| cut.get(&(first[i], first[(i + 1) % first.len()])))?;
-    let jumps = cut.iter().map(|(&edge, &jump)| (edge, jump * on_first)).collect();
+    let on_first =
+        (0..first.len()).find_map(|i| cut.get(&(first[i], first[(i + 1) % first.len()])))?;
+    let jumps = cut
+        .iter()
+        .map(|(&edge, &jump)| (edge, jump * on_first))
+        .collect();
     let flat = relaxed(sheet, &fixed, &jumps)?;
     let mut triangles = Vec::with_capacity(3 * sheet.triangles.len());
     for t in &sheet.triangles {
         let jump = |a: usize, b: usize| jumps.get(&(a, b)).copied().unwrap_or(0.0);
         let by = [0.0, jump(t[0], t[1]), -jump(t[2], t[0])];
-        let places: [[f64; 2]; 3] =
-            std::array::from_fn(|k| [flat[t[k]][0] + by[k], flat[t[k]][1]]);
+        let places: [[f64; 2]; 3] = std::array::from_fn(|k| [flat[t[k]][0] + by[k], flat[t[k]][1]]);
         let middle = places.iter().map(|p| p[0]).sum::<f64>() / 3.0;
         for shift in [-1.0, 0.0, 1.0] {
             let shift = shift - middle.floor();
-            triangles.push((places.map(|p| [p[0] + shift, p[1]]), t.map(|v| sheet.points[v])));
+            triangles.push((
+                places.map(|p| [p[0] + shift, p[1]]),
+                t.map(|v| sheet.points[v]),
+            ));
         }
     }
     Some(Flat {
@@ -181,7 +189,9 @@ fn chain(sheet: &Sheet) -> Option<BTreeMap<(usize, usize), f64>> {
     }
     let rim_edges = |k: usize| -> Vec<(usize, usize)> {
         let ring = &sheet.loops[k].1;
-        (0..ring.len()).map(|i| (ring[i], ring[(i + 1) % ring.len()])).collect()
+        (0..ring.len())
+            .map(|i| (ring[i], ring[(i + 1) % ring.len()]))
+            .collect()
     };
     let start = *rim_edges(0).first()?;
     let goal: BTreeSet<(usize, usize)> = rim_edges(1).into_iter().collect();

@@ -17,9 +17,8 @@ const NEARER: usize = 20;
 
 /// Rims by regions of a body's surface outside the other body.
 pub(super) fn regions(fields: &mut Fields<'_>, body: usize, rims: &[Rim]) -> Vec<Vec<usize>> {
-    let starts: Vec<Option<[f64; 2]>> = (rims.iter())
-        .map(|rim| beside(fields, body, rim))
-        .collect();
+    let starts: Vec<Option<[f64; 2]>> =
+        (rims.iter()).map(|rim| beside(fields, body, rim)).collect();
     let mut regions: Vec<Vec<usize>> = Vec::new();
     for (k, start) in starts.iter().enumerate() {
         let same = regions.iter().position(|region| {
@@ -68,11 +67,17 @@ fn connected(
         false => 0.0,
     });
     // On a surface that is like a sphere one path decides.
-    let turns: &[f64] = if round[0] * round[1] > 0.0 { &[0.0, -1.0, 1.0] } else { &[0.0] };
+    let turns: &[f64] = if round[0] * round[1] > 0.0 {
+        &[0.0, -1.0, 1.0]
+    } else {
+        &[0.0]
+    };
     turns.iter().any(|i| {
         turns.iter().any(|j| {
             let end = [to[0] + i * round[0], to[1] + j * round[1]];
-            crossings(fields, body, rims, from, end).iter().all(|odd| !odd)
+            crossings(fields, body, rims, from, end)
+                .iter()
+                .all(|odd| !odd)
         })
     })
 }
@@ -106,7 +111,8 @@ fn crossings(
             }
             let at = place(high);
             let away = |rim: &Rim| rim.nearest(&at).1;
-            let nearest = (0..rims.len()).min_by(|&a, &b| away(&rims[a]).total_cmp(&away(&rims[b])));
+            let nearest =
+                (0..rims.len()).min_by(|&a, &b| away(&rims[a]).total_cmp(&away(&rims[b])));
             odd[nearest.unwrap_or(0)] ^= true;
         }
         before = outside;

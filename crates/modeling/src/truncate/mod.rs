@@ -135,7 +135,17 @@ pub fn truncate(
 /// A closed surface with its normals outwards.
 fn solid(surface: &Surface, body: usize) -> Result<Surface, TruncateError> {
     match Body::new(surface, CHECKED, body) {
-        Ok(_) => Ok(surface.clone().oriented_outward()),
+        Ok(_) => {
+            // Parts go round a face in u where they go round it one way.
+            let topology = surface.topology();
+            let turned = topology.wraps(1) && !topology.wraps(0);
+            let surface = if turned {
+                surface.swap_uv()
+            } else {
+                surface.clone()
+            };
+            Ok(surface.oriented_outward())
+        }
         Err(IsolateError::Open { .. }) => Err(TruncateError::Open { body }),
         Err(IsolateError::SelfIntersecting { at, .. }) => {
             Err(TruncateError::SelfCrossing { body, at })

@@ -102,7 +102,9 @@ impl Lattice<'_, '_> {
         let reach_m = 0.87 * self.step_m;
         while let Some(site) = next.pop() {
             let corners: [_; 8] = std::array::from_fn(|c| self.value(corner(site, c)));
-            let changes = corners.iter().any(|c| (c[0] < 0.0) != (corners[0][0] < 0.0));
+            let changes = corners
+                .iter()
+                .any(|c| (c[0] < 0.0) != (corners[0][0] < 0.0));
             if !(changes && corners.iter().any(|c| c[1] <= reach_m)) {
                 continue;
             }
@@ -163,10 +165,7 @@ fn facets(below: [bool; 4], bits: [usize; 4]) -> Vec<[[usize; 2]; 3]> {
         [true, false].map(|side| (0..4).filter(|&k| below[k] == side).collect());
     let mut all = match (low.as_slice(), high.as_slice()) {
         (&[a], &[b, c, d]) | (&[b, c, d], &[a]) => vec![[[a, b], [a, c], [a, d]]],
-        (&[a, b], &[c, d]) => vec![
-            [[a, c], [a, d], [b, d]],
-            [[a, c], [b, d], [b, c]],
-        ],
+        (&[a, b], &[c, d]) => vec![[[a, c], [a, d], [b, d]], [[a, c], [b, d], [b, c]]],
         _ => return Vec::new(),
     };
     // Middles of edges decide the direction: they are in one plane that parts the corners.
@@ -261,7 +260,8 @@ fn piece(
     // As a sphere with as many holes as there are loops: vertices − edges + triangles, where each triangle has 3 / 2
     // edges and each edge of the boundary half a one.
     let rim_edges: usize = sheet.loops.iter().map(|(_, ring)| ring.len()).sum();
-    let twice = 2 * sheet.points.len() as isize - sheet.triangles.len() as isize - rim_edges as isize;
+    let twice =
+        2 * sheet.points.len() as isize - sheet.triangles.len() as isize - rim_edges as isize;
     match twice == 2 * (2 - sheet.loops.len() as isize) {
         true => Ok(sheet),
         false => Err(Unclear::Coarse),
@@ -289,7 +289,11 @@ fn connected(count: usize, triangles: &[[usize; 3]]) -> Vec<usize> {
 
 /// Loops of edges that have a triangle on their left only; `None` where they are not simple.
 fn boundary(triangles: &[[usize; 3]]) -> Option<Vec<Vec<usize>>> {
-    let edges = || triangles.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]);
+    let edges = || {
+        triangles
+            .iter()
+            .flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)])
+    };
     let all: BTreeSet<(usize, usize)> = edges().collect();
     let mut after: BTreeMap<usize, usize> = BTreeMap::new();
     for (a, b) in edges().filter(|&(a, b)| !all.contains(&(b, a))) {

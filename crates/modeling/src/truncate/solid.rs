@@ -4,7 +4,7 @@ use super::fields::Fields;
 use super::kept::regions;
 use super::rim::Rim;
 use super::wall::Wall;
-use super::{Truncated, TruncateError, WallPiece};
+use super::{TruncateError, Truncated, WallPiece};
 use palpate_geometry::math::{Point3, Random, Vector3};
 use palpate_geometry::part::{
     Brep, BrepBound, BrepCurve, BrepEdge, BrepFace, BrepShell, Carrier, Part, PartSolver,
@@ -28,12 +28,13 @@ pub(super) fn truncated(
     common.regions = [0, 1].map(|body| regions(fields, body, rims));
     let breps = [0, 1].map(|body| common.left(body));
     let [a, b] = breps.each_ref().map(Part::new);
-    let part = |part: Result<Part, _>, body| {
-        part.map_err(|source| TruncateError::Part { body, source })
-    };
+    let part =
+        |part: Result<Part, _>, body| part.map_err(|source| TruncateError::Part { body, source });
     let parts = [part(a, 0)?, part(b, 1)?];
     let both = part(Part::new(&common.both()), 0)?;
-    let off_m = walls.iter().fold(tolerance_m, |most, wall| most.max(wall.off_m));
+    let off_m = walls
+        .iter()
+        .fold(tolerance_m, |most, wall| most.max(wall.off_m));
     compare(fields, &parts, off_m)?;
     let volume = |part: &Part| part.measure().volume_m3.unwrap_or(f64::NAN);
     Ok(Truncated {
@@ -76,7 +77,12 @@ struct Shape<'a> {
 }
 
 impl<'a> Shape<'a> {
-    fn new(fields: &mut Fields<'_>, surfaces: [&'a Surface; 2], rims: &[Rim], walls: &'a [Wall]) -> Self {
+    fn new(
+        fields: &mut Fields<'_>,
+        surfaces: [&'a Surface; 2],
+        rims: &[Rim],
+        walls: &'a [Wall],
+    ) -> Self {
         let mut found: Vec<_> = walls.iter().flat_map(|wall| &wall.rims).collect();
         found.sort_by_key(|(rim, ..)| *rim);
         debug_assert_eq!(found.len(), rims.len(), "each rim ends one wall");
@@ -95,7 +101,10 @@ impl<'a> Shape<'a> {
             walls,
             outwards: outwards.collect(),
             edges: edges.collect(),
-            vertices: found.iter().map(|(_, rim, _)| rim.curve.point(0.0)).collect(),
+            vertices: found
+                .iter()
+                .map(|(_, rim, _)| rim.curve.point(0.0))
+                .collect(),
             along: found.iter().map(|(.., along)| *along).collect(),
             regions: Default::default(),
         }
@@ -110,7 +119,9 @@ impl<'a> Shape<'a> {
     /// the right on A.
     fn face(&self, body: usize, id: u64, rims: &[usize], outside: bool) -> BrepFace {
         let surface = self.surfaces[body];
-        let bounds = rims.iter().map(|&rim| self.bound(rim, (body == 1) == outside));
+        let bounds = rims
+            .iter()
+            .map(|&rim| self.bound(rim, (body == 1) == outside));
         BrepFace {
             id,
             // A face says itself on which side of the parametrisation it looks.
@@ -127,7 +138,10 @@ impl<'a> Shape<'a> {
             .map(|(k, rims)| self.face(body, k as u64 + 1, rims, true))
             .collect();
         for (wall, outwards) in self.walls.iter().zip(&self.outwards) {
-            let bounds = wall.rims.iter().map(|(rim, ..)| self.bound(*rim, body == 0));
+            let bounds = wall
+                .rims
+                .iter()
+                .map(|(rim, ..)| self.bound(*rim, body == 0));
             faces.push(BrepFace {
                 id: faces.len() as u64 + 1,
                 carrier: Carrier::Spline(Box::new(wall.surface.clone())),
@@ -141,7 +155,11 @@ impl<'a> Shape<'a> {
     /// What both bodies have.
     fn both(&self) -> Brep {
         let rims: Vec<usize> = (0..self.edges.len()).collect();
-        self.brep([0, 1].map(|body| self.face(body, body as u64 + 1, &rims, false)).into())
+        self.brep(
+            [0, 1]
+                .map(|body| self.face(body, body as u64 + 1, &rims, false))
+                .into(),
+        )
     }
 
     fn brep(&self, faces: Vec<BrepFace>) -> Brep {
@@ -161,11 +179,15 @@ fn shells(faces: &[BrepFace], edges: usize) -> Vec<BrepShell> {
     let mut first = vec![None; edges];
     for (k, face) in faces.iter().enumerate() {
         for bound in &face.bounds {
-            let BrepBound::Loop(uses) = bound else { continue };
+            let BrepBound::Loop(uses) = bound else {
+                continue;
+            };
             for (edge, _) in uses {
                 let other = *first[*edge as usize].get_or_insert(k);
                 let [old, new] = [body[k].max(body[other]), body[k].min(body[other])];
-                body.iter_mut().filter(|b| **b == old).for_each(|b| *b = new);
+                body.iter_mut()
+                    .filter(|b| **b == old)
+                    .for_each(|b| *b = new);
             }
         }
     }
@@ -173,7 +195,9 @@ fn shells(faces: &[BrepFace], edges: usize) -> Vec<BrepShell> {
     names.sort_unstable();
     names.dedup();
     let shell = |(solid, name): (usize, &usize)| BrepShell {
-        faces: (0..faces.len() as u32).filter(|&f| body[f as usize] == *name).collect(),
+        faces: (0..faces.len() as u32)
+            .filter(|&f| body[f as usize] == *name)
+            .collect(),
         closed: true,
         solid: Some(solid as u32),
     };
@@ -181,18 +205,19 @@ fn shells(faces: &[BrepFace], edges: usize) -> Vec<BrepShell> {
 }
 
 /// Places in both bodies, farther from the wall than it may be off, are in the part of the body in which they are deeper.
-fn compare(
-    fields: &mut Fields<'_>,
-    parts: &[Part; 2],
-    off_m: f64,
-) -> Result<(), TruncateError> {
+fn compare(fields: &mut Fields<'_>, parts: &[Part; 2], off_m: f64) -> Result<(), TruncateError> {
     let mut solvers = parts.each_ref().map(PartSolver::new);
     let corners = fields.surfaces.map(|surface| {
         let points = surface.net().points();
         let far = (points[0], points[0]);
-        points.iter().fold(far, |(low, high), p| (low.inf(p), high.sup(p)))
+        points
+            .iter()
+            .fold(far, |(low, high), p| (low.inf(p), high.sup(p)))
     });
-    let (low, high) = (corners[0].0.sup(&corners[1].0), corners[0].1.inf(&corners[1].1));
+    let (low, high) = (
+        corners[0].0.sup(&corners[1].0),
+        corners[0].1.inf(&corners[1].1),
+    );
     let mut random = Random(1);
     let (mut wrong, mut compared) = (0, 0);
     for _ in 0..TRIED {
@@ -208,7 +233,8 @@ fn compare(
         let deeper = usize::from(depths.lead() > 0.0);
         let inside = |k: usize, solvers: &mut [PartSolver; 2]| {
             let foot = solvers[k].closest(&parts[k], &q);
-            foot.and_then(|foot| foot.signed_distance).is_some_and(|d| d < 0.0)
+            foot.and_then(|foot| foot.signed_distance)
+                .is_some_and(|d| d < 0.0)
         };
         let right = inside(deeper, &mut solvers) && !inside(1 - deeper, &mut solvers);
         wrong += usize::from(!right);

@@ -1,7 +1,6 @@
 //! Truncated bodies against closed forms, data of another program, and the definition itself.
 
 mod definition;
-mod explore;
 mod refusals;
 mod shapes;
 
@@ -86,5 +85,8 @@ pub(super) fn places(wall: &Surface) -> impl Iterator<Item = Point3> + '_ {
 pub(super) fn assert_union(two: &Truncated, share: f64) {
     let sum: f64 = two.volumes_m3.iter().sum();
     let union = two.union_m3();
-    assert!((sum - union).abs() <= share * union, "{sum} {union}: {two:?}");
+    assert!(
+        (sum - union).abs() <= share * union,
+        "{sum} {union}: {two:?}"
+    );
 }

@@ -73,7 +73,9 @@ pub(super) fn walls(
         }
         let flat = Flat::new(&sheet, rims).ok_or_else(|| unclear(rims, rim))?;
         let names: Vec<usize> = sheet.loops.iter().map(|(k, _)| *k).collect();
-        all.push(fitted(fields, rims, &names, &flat, tolerance_m).ok_or_else(|| unclear(rims, rim))?);
+        all.push(
+            fitted(fields, rims, &names, &flat, tolerance_m).ok_or_else(|| unclear(rims, rim))?,
+        );
     }
     Ok(all)
 }
@@ -153,7 +155,9 @@ fn fitted(
             let rims = names.iter().zip(curves).enumerate();
             return Some(Wall {
                 surface,
-                rims: rims.map(|(k, (&name, curve))| (name, curve, k == 0)).collect(),
+                rims: rims
+                    .map(|(k, (&name, curve))| (name, curve, k == 0))
+                    .collect(),
                 uneven_m,
                 off_m,
             });
@@ -189,7 +193,10 @@ impl Grid {
 
     /// (us × vs).
     fn places(&self, at: impl Fn(f64, f64) -> Point3) -> Vec<Point3> {
-        let pairs = self.us.iter().flat_map(|&u| self.vs.iter().map(move |&v| (u, v)));
+        let pairs = self
+            .us
+            .iter()
+            .flat_map(|&u| self.vs.iter().map(move |&v| (u, v)));
         pairs.map(|(u, v)| at(u, v)).collect()
     }
 

@@ -9,10 +9,11 @@
 
 use super::Scene;
 use super::door::{Door, SceneError};
-use super::surface::STEP;
 use super::spec::{
-    BodySpec, ContactSpec, FixedSpec, ModelSpec, PoseSpec, RefineAuto, RefineSpec, SceneSpec, SurfaceSpec,
+    BodySpec, ContactSpec, FixedSpec, ModelSpec, PoseSpec, RefineAuto, RefineSpec, SceneSpec,
+    SurfaceSpec,
 };
+use super::surface::STEP;
 use palpate_geometry::basis::KnotVector;
 use palpate_geometry::math::{Point3, Rotation, Vector3};
 use palpate_geometry::surface::{ControlNet, Surface, SurfaceError, file};

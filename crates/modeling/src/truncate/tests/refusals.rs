@@ -14,21 +14,31 @@ fn a_body_in_another_is_refused() {
     assert_eq!(refused(&outer, &inner), known(1, 0));
     assert_eq!(refused(&inner, &outer), known(0, 1));
     // Touching from within.
-    assert_eq!(refused(&outer, &sphere(0.03, [0.0, 0.0, 0.02])), known(1, 0));
+    assert_eq!(
+        refused(&outer, &sphere(0.03, [0.0, 0.0, 0.02])),
+        known(1, 0)
+    );
 }
 
 #[test]
 fn coincident_surfaces_are_refused() {
     let ball = sphere(0.05, [0.0; 3]);
     let error = refused(&ball, &ball);
-    assert!(matches!(error, TruncateError::Coincident { share, .. } if share == 100.0), "{error}");
+    assert!(
+        matches!(error, TruncateError::Coincident { share, .. } if share == 100.0),
+        "{error}"
+    );
 }
 
 #[test]
 fn bodies_apart_or_touching_have_nothing_to_do() {
     let ball = sphere(0.05, [0.0; 3]);
     for z in [0.08, 0.09, 1.0] {
-        let two = truncate(&ball, &sphere(0.03, [0.0, 0.0, z]), &TruncateSpec::default());
+        let two = truncate(
+            &ball,
+            &sphere(0.03, [0.0, 0.0, z]),
+            &TruncateSpec::default(),
+        );
         assert!(two.unwrap().is_none(), "{z}");
     }
 }
@@ -42,7 +52,10 @@ fn a_hair_of_overlap_is_truncated() {
     let (r, s, d) = (0.05, 0.03, 0.079999);
     let z: f64 = (d * d + r * r - s * s) / (2.0 * d);
     let rho = libm::hypot(rim.x, rim.y);
-    assert!((rim.z - z).abs() < 1e-11 && (rho - (r * r - z * z).sqrt()).abs() < 1e-9, "{rim}");
+    assert!(
+        (rim.z - z).abs() < 1e-11 && (rho - (r * r - z * z).sqrt()).abs() < 1e-9,
+        "{rim}"
+    );
 }
 
 #[test]
