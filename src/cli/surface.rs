@@ -10,6 +10,7 @@ mod merge;
 mod part;
 mod pipe;
 mod query;
+mod truncate;
 
 use super::Outcome;
 use anyhow::Context as _;
@@ -48,6 +49,8 @@ enum Command {
     Merge(Box<merge::Args>),
     /// Separate overlapping bodies by short translations.
     Isolate(isolate::Args),
+    /// Give two overlapping bodies a common wall, as deep in one as in the other, and write both as parts.
+    Truncate(truncate::Args),
     /// Find the largest radius of a pipe around a curve, and write the pipe as a surface.
     Pipe(pipe::Args),
     /// Build one surface for a tree of branching tubes, or measure a given one.
@@ -294,6 +297,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         Command::Degree(args) => degree::run(args),
         Command::Merge(args) => merge::run(args),
         Command::Isolate(args) => isolate::run(args),
+        Command::Truncate(args) => truncate::run(args),
         Command::Pipe(args) => pipe::run(args),
         Command::Branch(args) => branch::run(args),
     }

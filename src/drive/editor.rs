@@ -40,6 +40,11 @@ pub enum Edit {
         /// Most turn about the other, degrees.
         max_turn_deg: Option<f64>,
     },
+    /// A common wall between two overlapping bodies, which become parts.
+    Truncate {
+        /// How far the wall may be off, m.
+        tolerance_m: Option<f64>,
+    },
 }
 
 /// What became of a request.

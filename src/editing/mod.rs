@@ -1,4 +1,4 @@
-//! Scenes remade while they run: merge, isolate.
+//! Scenes remade while they run: merge, isolate, truncate.
 //!
 //! ```text
 //! bus ── request, nets ──▶ worker: model the surfaces ─▶ next scene file ─▶ Scene, buffers, journal ── Swap ──▶ bus ─▶ loop
@@ -8,6 +8,7 @@
 
 mod isolate;
 mod merge;
+mod truncate;
 
 use crate::drive::editor::{Edit, EditNews, EditRequest, Editor};
 use crate::drive::swap::Swap;
@@ -144,6 +145,9 @@ fn carry_out(job: &EditJob, changes: &SceneChanges) -> Result<EditNews, String> 
                 max_turn_deg: *max_turn_deg,
             };
             isolate::isolate(scene, &request.bodies, &surfaces, &asked)?
+        }
+        Edit::Truncate { tolerance_m } => {
+            truncate::truncate(scene, &request.bodies, &surfaces, *tolerance_m)?
         }
     };
     let Some(change) = change else {

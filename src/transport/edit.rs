@@ -2,7 +2,7 @@
 //! takes it over between two ticks, and the bus declares what it has.
 //!
 //! ```text
-//! rpc merge, isolate ─▶ Editor ─▶ EditNews::Ready ─▶ swap ─▶ loop ─▶ receipt: from this tick on
+//! rpc merge, isolate, truncate ─▶ Editor ─▶ EditNews::Ready ─▶ swap ─▶ loop ─▶ receipt: from this tick on
 //! ```
 
 use super::desk::Desk;

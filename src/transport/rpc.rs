@@ -156,6 +156,14 @@ impl Rpc {
                     .edits
                     .ask(id, parties.scene, parties.nets, edit, &bodies)
             }
+            Call::Truncate { bodies, tolerance } => {
+                let edit = Edit::Truncate {
+                    tolerance_m: tolerance,
+                };
+                parties
+                    .edits
+                    .ask(id, parties.scene, parties.nets, edit, &bodies)
+            }
             // Seek and rate; what is for the loop has gone there.
             _ => Err(format!(
                 "{method} is for recordings that are played (`palpate play`); this is a live scene"

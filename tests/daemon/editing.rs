@@ -246,3 +246,85 @@ fn what_cannot_be_edited_is_refused_and_the_scene_goes_on() {
     assert_eq!(force.tick, 2);
     session.finish(pen).unwrap();
 }
+
+/// Two balls in each other, one of which may become soft.
+fn balls(soft: bool) -> String {
+    let model = if soft { "model = \"lattice\"" } else { "" };
+    format!(
+        r#"
+[[body]]
+id = "left"
+surface = {{ builtin = "sphere", size = 0.02 }}
+{model}
+
+[[body]]
+id = "right"
+surface = {{ builtin = "sphere", size = 0.02 }}
+pose = {{ position = [0.03, 0.0, 0.0] }}
+
+[[tool]]
+id = "pen"
+shape = {{ sphere = {{ radius_m = 5e-3 }} }}
+pose = {{ position = [0.0, 0.0, 0.0249] }}
+"#
+    )
+}
+
+#[test]
+fn bodies_are_truncated_under_a_tool_and_each_part_of_the_recording_replays() {
+    let directory = tempfile::tempdir().unwrap();
+    let record = directory.path().join("cut.mcap");
+    let mut session = TestSession::of(&balls(false))
+        .program(PROGRAM)
+        .record(&record)
+        .start()
+        .unwrap();
+    let mut pen = session.tool("pen").unwrap();
+    let mut press = |session: &mut TestSession, ticks: usize| -> f64 {
+        let mut last = 0.0;
+        for _ in 0..ticks {
+            let force = session.step(&mut pen, pose_at([0.0, 0.0, 0.0245]));
+            last = force.unwrap().force[2];
+        }
+        last
+    };
+    let before = press(&mut session, 300);
+    let done = session
+        .palpate()
+        .call(call("truncate", &["left", "right"], ""))
+        .unwrap();
+    assert_eq!(done.tick, 301);
+    let report = done.report.unwrap();
+    let volumes: Vec<f64> = serde_json::from_value(report["volumes"].clone()).unwrap();
+    // Each ball without a cap of 5 mm.
+    let left = std::f64::consts::PI * (4.0 / 3.0 * 8e-6 - 25e-6 * 0.055 / 3.0);
+    for volume in &volumes {
+        assert!((volume / left - 1.0).abs() < 1e-6, "{report}");
+    }
+    assert_eq!(ids(session.palpate()), ["left", "right"]);
+    // The ball is as it was under the pen.
+    let after = press(&mut session, 300);
+    assert!(
+        before > 0.1 && (after / before - 1.0).abs() < 1e-3,
+        "{before} {after}"
+    );
+    // Parts have no net to change any more.
+    let again = refused(session.palpate(), call("truncate", &["left", "right"], ""));
+    assert!(again.contains("is a part"), "{again}");
+    session.finish(pen).unwrap();
+    replays(&record, 0);
+    replays(&directory.path().join("cut-0002.mcap"), 300);
+}
+
+#[test]
+fn bodies_that_may_not_become_parts_are_refused() {
+    let session = TestSession::of(&balls(true))
+        .program(PROGRAM)
+        .start()
+        .unwrap();
+    let palpate = session.palpate();
+    let soft = refused(palpate, call("truncate", &["left", "right"], ""));
+    assert!(soft.contains("\"left\" deforms"), "{soft}");
+    let one = refused(palpate, call("truncate", &["left"], ""));
+    assert!(one.contains("at least two"), "{one}");
+}

@@ -165,6 +165,13 @@ calls! {
         /// Greatest turn of one body about the other, degrees.
         max_turn: Option<f64> = None, 0.0..=180.0;
     }
+    /// A common wall between two overlapping rigid bodies, which become parts.
+    "truncate" => Truncate {
+        /// Ids of the two bodies.
+        bodies: Vec<String> = Vec::new();
+        /// How far the wall may be from where both are equally deep, m; 1e-4 of the smaller body's size if absent.
+        tolerance: Option<f64> = None, 1e-12..=1e3;
+    }
 }
 
 impl Call {
@@ -446,6 +453,10 @@ mod tests {
                 method: Some("global".into()),
                 gap: None,
                 max_turn: Some(30.0),
+            },
+            Call::Truncate {
+                bodies: bodies(),
+                tolerance: Some(1e-5),
             },
         ];
         for call in calls {

@@ -33,6 +33,16 @@ pub(super) enum Misuse {
          --ignore-trims` takes one of its B-splines whole"
     )]
     Format { faces: usize },
+    /// A part where a whole surface is needed.
+    #[error(
+        "this is a part of {faces} trimmed faces, and truncation takes bodies that are one closed B-spline surface"
+    )]
+    NotWhole { faces: usize },
+    /// A format that has no parts.
+    #[error(
+        "truncated bodies are parts, which are written as .step or .stp; a name without an extension is a directory for both"
+    )]
+    Truncated,
     /// A point beyond all lengths.
     #[error("line {line}: the point is too far away to calculate with")]
     Far { line: usize },

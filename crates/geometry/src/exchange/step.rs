@@ -9,7 +9,7 @@
 //! assembly: which solids, where ──▶ topology: shells, faces, loops ──▶ carriers, curves ──▶ Brep ── placed ──▶ ImportedPart
 //!     └──▶ units: each representation's own context
 //! ```
-//! [`write_part`] writes one as AP242.
+//! [`write_part`] writes one as AP242, [`write_parts`] several.
 //!
 //! A single surface ([`read`]): `B_SPLINE_SURFACE_WITH_KNOTS`, `BEZIER_SURFACE`, `UNIFORM_SURFACE` and
 //! `QUASI_UNIFORM_SURFACE`, each also as a complex instance with `RATIONAL_B_SPLINE_SURFACE`. The
@@ -42,7 +42,7 @@ pub use part::{ImportedPart, PlacedSolid, read_part};
 pub use pick::{PartLeftOut, PartPick};
 pub use write::write;
 pub(in crate::exchange) use write_part::written_unit;
-pub use write_part::{WritePartError, write_part};
+pub use write_part::{WritePartError, write_part, write_parts};
 
 use super::spline::SplineError;
 use super::{Imported, Pick};

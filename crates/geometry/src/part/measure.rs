@@ -7,6 +7,7 @@ use super::bezier;
 use super::carrier::Carrier;
 use super::part::{Face, Part};
 use super::trim::{Trim, Walk};
+use crate::basis::KnotVector;
 use crate::math::{Matrix3, Point3, Vector3, gauss_legendre};
 use std::f64::consts::FRAC_PI_4;
 
@@ -26,7 +27,7 @@ impl Rules {
     }
 
     fn for_breaks(&self, breaks: &Breaks) -> &[(f64, f64)] {
-        let many = matches!(breaks, Breaks::Knots(knots) if knots.len() > MANY_BREAKS);
+        let many = matches!(breaks, Breaks::Knots { spans, .. } if *spans > MANY_BREAKS);
         &self.0[usize::from(many)]
     }
 }
@@ -176,8 +177,8 @@ enum Breaks {
     None,
     /// At multiples of an angle.
     Angle,
-    /// At knots.
-    Knots(Vec<f64>),
+    /// At knots; past the ends of a periodic direction at those of the periods beside.
+    Knots { at: Vec<f64>, spans: usize },
 }
 
 impl Breaks {
@@ -185,9 +186,9 @@ impl Breaks {
         match self {
             Self::None => f64::INFINITY,
             Self::Angle => x + FRAC_PI_4,
-            Self::Knots(knots) => {
-                let k = knots.partition_point(|&k| k <= x);
-                knots.get(k).copied().unwrap_or(f64::INFINITY)
+            Self::Knots { at, .. } => {
+                let k = at.partition_point(|&k| k <= x);
+                at.get(k).copied().unwrap_or(f64::INFINITY)
             }
         }
     }
@@ -220,8 +221,28 @@ impl Carrier {
             Self::Plane(_) => [Breaks::None, Breaks::None],
             Self::Cylinder { .. } | Self::Cone { .. } => [Breaks::Angle, Breaks::None],
             Self::Sphere { .. } | Self::Torus { .. } => [Breaks::Angle, Breaks::Angle],
-            Self::Spline(surface) => [surface.knots_u(), surface.knots_v()]
-                .map(|knots| Breaks::Knots(knots.spans().map(|i| knots.knots()[i]).collect())),
+            Self::Spline(surface) => {
+                let periods = self.periods();
+                let of = |knots: &KnotVector, period: f64| {
+                    let once: Vec<f64> = knots.spans().map(|i| knots.knots()[i]).collect();
+                    let shifts: &[f64] = if period > 0.0 {
+                        &[-1.0, 0.0, 1.0]
+                    } else {
+                        &[0.0]
+                    };
+                    let all = shifts
+                        .iter()
+                        .flat_map(|k| once.iter().map(move |t| t + k * period));
+                    Breaks::Knots {
+                        at: all.collect(),
+                        spans: once.len(),
+                    }
+                };
+                [
+                    of(surface.knots_u(), periods[0]),
+                    of(surface.knots_v(), periods[1]),
+                ]
+            }
         }
     }
 

@@ -209,7 +209,9 @@ impl Edge {
     pub fn normal(&self, faces: &[Face], at: (usize, f64)) -> Vector3 {
         let normals = self.sides.iter().filter_map(|side| {
             let uv = self.on(side, faces, at)?;
-            Some(faces[side.face as usize].normal(uv))
+            let face = &faces[side.face as usize];
+            // Past the seam of a B-spline that closes without being periodic there is nothing.
+            Some(face.normal(face.trim.chart.confined(uv)))
         });
         normals.sum()
     }

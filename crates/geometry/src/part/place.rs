@@ -62,13 +62,15 @@ impl Part {
     /// The point at a place, m.
     pub fn point(&self, place: [f64; 2]) -> Point3 {
         let (face, uv) = self.on_face(place);
-        self.faces[face as usize].carrier.point(uv)
+        let face = &self.faces[face as usize];
+        face.carrier.point(face.trim.chart.confined(uv))
     }
 
     /// Unit normal of the face at a place, out of the matter.
     pub fn normal(&self, place: [f64; 2]) -> Vector3 {
         let (face, uv) = self.on_face(place);
-        self.faces[face as usize].normal(uv)
+        let face = &self.faces[face as usize];
+        face.normal(face.trim.chart.confined(uv))
     }
 }
 

@@ -1,7 +1,7 @@
-//! A scene that becomes another while it runs: bodies move, or merge into one.
+//! A scene that becomes another while it runs: bodies move, merge into one, or become parts with a common wall.
 //!
 //! ```text
-//! SceneSpec ── moved, merged ──▶ SceneSpec' ── build ──▶ Scene'      beside the loop
+//! SceneSpec ── moved, merged, truncated ──▶ SceneSpec' ── build ──▶ Scene'      beside the loop
 //! SceneState ── Scene::carry_over ────▶ SceneState'                  between two ticks, without allocating
 //! ```
 //! The new file says all that the new scene is, so a recording that begins with the state after the
@@ -10,8 +10,10 @@
 use super::Scene;
 use super::door::{Door, SceneError};
 use super::spec::{
-    BodySpec, ContactSpec, FixedSpec, PoseSpec, RefineAuto, RefineSpec, SceneSpec, SurfaceSpec,
+    BodySpec, ContactSpec, FixedSpec, ModelSpec, PoseSpec, RefineAuto, RefineSpec, SceneSpec,
+    SurfaceSpec,
 };
+use super::surface::STEP;
 use palpate_geometry::basis::KnotVector;
 use palpate_geometry::math::{Point3, Rotation, Vector3};
 use palpate_geometry::surface::{ControlNet, Surface, SurfaceError, file};
@@ -135,6 +137,55 @@ impl SceneChange {
         })
     }
 
+    /// A body may become a part: it is rigid, and stands where the scene says.
+    ///
+    /// # Errors
+    /// It deforms, moves, is carried or is free.
+    pub fn check_part(scene: &Scene, body: usize) -> Result<(), SceneError> {
+        let spec = &scene.spec.bodies[body];
+        let id = &spec.id;
+        let reason = if scene.deforms(body) {
+            format!(
+                "{id:?} deforms, and a part is rigid: nothing would be left of its material; give it model = \"rigid\" first"
+            )
+        } else if spec.motion.is_some() || spec.carried_by.is_some() || spec.free {
+            format!(
+                "{id:?} moves by itself, is carried or is free, so that it is elsewhere than in the scene; truncate it as a \
+                 file: palpate surface truncate"
+            )
+        } else {
+            return Ok(());
+        };
+        Err(SceneError::one(format!("body[{body}]"), reason))
+    }
+
+    /// The scene with parts in the place of bodies: their indices, and STEP files of the parts where they stand in the
+    /// world.
+    ///
+    /// # Errors
+    /// Bodies that may not become parts.
+    pub fn truncated(scene: &Scene, parts: [(usize, String); 2]) -> Result<Self, SceneError> {
+        let mut spec = pinned(scene)?;
+        let mut origins: Vec<Origin> = (0..spec.bodies.len())
+            .map(|from| Origin::Kept {
+                from,
+                moved: Vector3::zeros(),
+            })
+            .collect();
+        for (index, text) in parts {
+            Self::check_part(scene, index)?;
+            let body = &mut spec.bodies[index];
+            body.surface = SurfaceSpec {
+                inline: Some(serde_json::json!({ STEP: text })),
+                ..SurfaceSpec::default()
+            };
+            body.pose = PoseSpec::default();
+            body.model = Some(ModelSpec::Rigid);
+            origins[index] = Origin::New;
+        }
+        Ok(Self { spec, origins })
+    }
+
     /// True when the bodies that stay have the same coordinates in both scenes.
     pub fn fits(&self, old: &Scene, new: &Scene) -> bool {
         let count = |scene: &Scene, body: usize| {
@@ -201,15 +252,8 @@ fn inline(surface: &Surface) -> Result<SurfaceSpec, SceneError> {
         fields.retain(|_, value| !value.is_null());
     }
     Ok(SurfaceSpec {
-        builtin: None,
-        net: None,
-        size: None,
-        file: None,
-        index: None,
-        part: None,
-        instance: None,
-        unit: None,
         inline: Some(document),
+        ..SurfaceSpec::default()
     })
 }
 

@@ -14,7 +14,7 @@ use std::path::Path;
 const FITTED_NET: [usize; 2] = [14; 2];
 
 /// Key of an inline STEP file.
-const STEP: &str = "step";
+pub(super) const STEP: &str = "step";
 
 /// Largest distance between a mesh and the surface fitted to it, relative to the size of the mesh.
 const FIT_TOLERANCE: f64 = 0.01;

@@ -1,4 +1,4 @@
-//! Writes a part as an AP242 file: one product, its solids and sheets as boundaries. ISO 10303-242, -42 and -21.
+//! Writes parts as an AP242 file: a product each, its solids and sheets as boundaries. ISO 10303-242, -42 and -21.
 //!
 //! ```text
 //! Brep ── numbers and directions as they read back ──▶ Brep ── points, curves, edges, loops, faces, shells, solids ──▶ text
@@ -76,22 +76,39 @@ pub enum WritePartError {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write_part(brep: &Brep, unit: &LengthUnit, name: &str) -> Result<String, WritePartError> {
+    write_parts(&[(name, brep)], unit)
+}
+
+/// [`write_part`] of several parts with their names: a product each, in one file. Each is written as it would be alone, so
+/// that none shares geometry with another.
+///
+/// # Errors
+/// A surface or curve that comes apart at a knot.
+pub fn write_parts(parts: &[(&str, &Brep)], unit: &LengthUnit) -> Result<String, WritePartError> {
     let unit = &written_unit(unit);
-    let brep = &settled(brep, unit)?;
-    let mut writer = Writer {
-        brep,
-        unit,
-        sink: Sink::default(),
-        vertices: vec![None; brep.vertices.len()],
-        edges: vec![None; brep.edges.len()],
-        carriers: vec![None; brep.faces.len()],
-        pictures: pictures(brep),
-        flat_context: None,
-    };
-    let name = coded(name);
-    let product = writer.product(&name);
-    let context = writer.context();
-    writer.representation(&name, product, context)?;
+    let mut sink = Sink::default();
+    let mut names = Vec::with_capacity(parts.len());
+    for (name, brep) in parts {
+        let brep = &settled(brep, unit)?;
+        sink.known.clear();
+        let mut writer = Writer {
+            brep,
+            unit,
+            sink,
+            vertices: vec![None; brep.vertices.len()],
+            edges: vec![None; brep.edges.len()],
+            carriers: vec![None; brep.faces.len()],
+            pictures: pictures(brep),
+            flat_context: None,
+        };
+        let name = coded(name);
+        let product = writer.product(&name);
+        let context = writer.context();
+        writer.representation(&name, product, context)?;
+        sink = writer.sink;
+        names.push(name);
+    }
+    let name = names.join(", ");
     // A time would make two files of one part differ.
     let version = env!("CARGO_PKG_VERSION");
     Ok(format!(
@@ -99,7 +116,7 @@ pub fn write_part(brep: &Brep, unit: &LengthUnit, name: &str) -> Result<String, 
          FILE_NAME('{name}','1970-01-01T00:00:00',(''),(''),'palpate {version}','palpate {version}','');\n\
          FILE_SCHEMA(('AP242_MANAGED_MODEL_BASED_3D_ENGINEERING_MIM_LF {{ 1 0 10303 442 1 1 4 }}'));\nENDSEC;\nDATA;\n\
          {}ENDSEC;\nEND-ISO-10303-21;\n",
-        writer.sink.out
+        sink.out
     ))
 }
 

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 /// `surface = { builtin = "teardrop", net = [8, 8] }`, `{ file = "organ.step" }` or `{ inline = {…} }`: exactly
 /// one of the three. A STEP file with more than one whole B-spline is a part, for rigid bodies.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct SurfaceSpec {
