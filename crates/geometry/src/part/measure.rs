@@ -7,6 +7,7 @@ use super::bezier;
 use super::carrier::Carrier;
 use super::part::{Face, Part};
 use super::trim::{Trim, Walk};
+use crate::basis::KnotVector;
 use crate::math::{Matrix3, Point3, Vector3, gauss_legendre};
 use std::f64::consts::FRAC_PI_4;
 
@@ -128,8 +129,16 @@ impl Face {
                 |v| value(u + ou, v),
             )
         };
+        let level = |walk: &Walk<'_>| {
+            let ends = walk.u.map(|u| u + ou);
+            let rule = rules.for_breaks(&breaks[0]);
+            over(rule, &breaks[0], ends, |u| inner(u - ou, walk.v))
+        };
         let arcs: f64 = (self.trim.walks())
-            .map(|walk| walk.integral(rule, chart, &inner))
+            .map(|walk| match walk.points {
+                Some(points) => walk.integral(points, rule, chart, &inner),
+                None => level(&walk),
+            })
             .sum();
         let mut base = 0.0;
         for ([from, to], count) in self.trim.bases() {
@@ -220,8 +229,22 @@ impl Carrier {
             Self::Plane(_) => [Breaks::None, Breaks::None],
             Self::Cylinder { .. } | Self::Cone { .. } => [Breaks::Angle, Breaks::None],
             Self::Sphere { .. } | Self::Torus { .. } => [Breaks::Angle, Breaks::Angle],
-            Self::Spline(surface) => [surface.knots_u(), surface.knots_v()]
-                .map(|knots| Breaks::Knots(knots.spans().map(|i| knots.knots()[i]).collect())),
+            Self::Spline(surface) => {
+                let periods = self.periods();
+                let breaks = |knots: &KnotVector, period: f64| {
+                    let own: Vec<f64> = knots.spans().map(|i| knots.knots()[i]).collect();
+                    // Parameters go on past the end of a period.
+                    let next: Vec<f64> = own.iter().map(|knot| knot + period).collect();
+                    Breaks::Knots(match period {
+                        0.0 => own,
+                        _ => [own, next].concat(),
+                    })
+                };
+                [
+                    breaks(surface.knots_u(), periods[0]),
+                    breaks(surface.knots_v(), periods[1]),
+                ]
+            }
         }
     }
 
@@ -242,17 +265,14 @@ impl Carrier {
 }
 
 impl Walk<'_> {
-    /// ∫ F(u, v) du along it.
+    /// ∫ F(u, v) du along its segment.
     fn integral(
         &self,
+        (points, [from, to]): (&[bezier::Homogeneous], [f64; 2]),
         rule: &[(f64, f64)],
         chart: &super::chart::Chart,
         f: &impl Fn(f64, f64) -> f64,
     ) -> f64 {
-        let Some((points, [from, to])) = self.points else {
-            let breaks = Breaks::Angle;
-            return over(rule, &breaks, self.u, |u| f(u, self.v));
-        };
         if self.u[0] == self.u[1] || from == to {
             return 0.0;
         }

@@ -194,7 +194,8 @@ impl Edge {
     pub fn normal(&self, faces: &[Face], at: (usize, f64)) -> Vector3 {
         let normals = self.sides.iter().filter_map(|side| {
             let uv = self.on(side, faces, at)?;
-            Some(faces[side.face as usize].normal(uv))
+            let face = &faces[side.face as usize];
+            Some(face.normal(face.trim.chart.confined(uv)))
         });
         normals.sum()
     }
