@@ -9,6 +9,8 @@ use std::collections::BTreeMap;
 const MOST: usize = 200_000;
 /// How much steeper than at its flattest place the field may be across a graph, and the graph itself.
 const EVEN: f64 = 3.0;
+/// How much less than in the other direction the field may change in one that is not halved.
+const STEEP: f64 = 0.05;
 
 /// What is known of a rectangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,8 +19,8 @@ pub(super) enum Kind {
     Whole,
     /// At most one curve, a graph over a direction; and at most one end of it on each side.
     Graph(usize),
-    /// As small as they become.
-    Last,
+    /// To be halved in these directions, or as small as they become.
+    Last([bool; 2]),
 }
 
 #[derive(Clone, Debug)]
@@ -26,7 +28,7 @@ pub(super) struct Leaf {
     pub piece: [usize; 2],
     /// Its first corner.
     pub at: [u64; 2],
-    pub size: u64,
+    pub size: [u64; 2],
     pub kind: Kind,
     /// The field's coefficients over it.
     pub points: Vec<f64>,
@@ -74,7 +76,7 @@ impl Leaves {
                 let piece = [i, j];
                 let points = field.piece(piece).to_vec();
                 let at = piece.map(|k| k as u64 * WHOLE);
-                waiting.push(Leaf::new(field.degree(), piece, at, WHOLE, points));
+                waiting.push(Leaf::new(field.degree(), piece, at, [WHOLE; 2], points));
             }
         }
         waiting.reverse();
@@ -92,7 +94,7 @@ impl Leaves {
                 let may = match leaf.kind {
                     Kind::Whole => 0,
                     Kind::Graph(_) => 2,
-                    Kind::Last => usize::MAX,
+                    Kind::Last(_) => usize::MAX,
                 };
                 changes > may
             };
@@ -104,7 +106,7 @@ impl Leaves {
             if halve.is_empty() {
                 return Ok(leaves);
             }
-            let parts = halve.iter().flat_map(|leaf| leaf.quarters(field.degree()));
+            let parts = halve.iter().flat_map(|leaf| leaf.parts(field.degree()));
             leaves.settle(field, parts.collect())?;
         }
         leaves.divide_lines(field, grid);
@@ -114,10 +116,11 @@ impl Leaves {
     /// Halves rectangles until what is within each is known.
     fn settle(&mut self, field: &Field, mut waiting: Vec<Leaf>) -> Result<(), CutError> {
         while let Some(leaf) = waiting.pop() {
-            if leaf.kind != Kind::Last || leaf.size == 1 {
-                self.all.push(leaf);
-            } else {
-                waiting.extend(leaf.quarters(field.degree()));
+            match leaf.kind {
+                Kind::Last(_) if leaf.size != [1; 2] => {
+                    waiting.extend(leaf.parts(field.degree()));
+                }
+                _ => self.all.push(leaf),
             }
             if self.all.len() + waiting.len() > MOST {
                 return Err(CutError::TooFine { most: MOST });
@@ -192,7 +195,7 @@ impl Leaf {
         degree: [usize; 2],
         piece: [usize; 2],
         at: [u64; 2],
-        size: u64,
+        size: [u64; 2],
         points: Vec<f64>,
     ) -> Self {
         let kind = kind(&points, degree);
@@ -213,35 +216,47 @@ impl Leaf {
                 direction,
                 line,
                 from,
-                to: from + self.size,
+                to: from + self.size[direction],
             },
             forward,
         };
         [
             walk(0, v, u, true),
-            walk(1, u + self.size, v, true),
-            walk(0, v + self.size, u, false),
+            walk(1, u + self.size[0], v, true),
+            walk(0, v + self.size[1], u, false),
             walk(1, u, v, false),
         ]
     }
 
-    fn quarters(&self, degree: [usize; 2]) -> Vec<Self> {
-        let half = self.size / 2;
-        let mut out = Vec::with_capacity(4);
-        for (i, rows) in halves(&self.points, degree, 0).into_iter().enumerate() {
-            for (j, points) in halves(&rows, degree, 1).into_iter().enumerate() {
-                let at = [self.at[0] + i as u64 * half, self.at[1] + j as u64 * half];
-                out.push(Self::new(degree, self.piece, at, half, points));
+    /// Its halves or quarters.
+    fn parts(&self, degree: [usize; 2]) -> Vec<Self> {
+        let wanted = match self.kind {
+            Kind::Last(wanted) => wanted,
+            _ => [true; 2],
+        };
+        let may = self.size.map(|size| size > 1);
+        let asked = [0, 1].map(|d| wanted[d] && may[d]);
+        let halve = if asked == [false; 2] { may } else { asked };
+        let mut parts = vec![(self.at, self.size, self.points.clone())];
+        for d in (0..2).filter(|&d| halve[d]) {
+            let whole = std::mem::take(&mut parts);
+            for (at, mut size, points) in whole {
+                size[d] /= 2;
+                let [low, high] = halves(&points, degree, d);
+                let mut next = at;
+                next[d] += size[d];
+                parts.extend([(at, size, low), (next, size, high)]);
             }
         }
-        out
+        let part = |(at, size, points)| Self::new(degree, self.piece, at, size, points);
+        parts.into_iter().map(part).collect()
     }
 
     /// A place within it, from 0 to 1 in both directions, as parameters.
     pub fn parameters(&self, grid: &Grid, local: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|d| {
             let from = (self.at[d] - self.piece[d] as u64 * WHOLE) as f64;
-            let t = (from + local[d] * self.size as f64) / WHOLE as f64;
+            let t = (from + local[d] * self.size[d] as f64) / WHOLE as f64;
             grid.parameter_within(d, self.piece[d], t)
         })
     }
@@ -308,13 +323,6 @@ fn kind(points: &[f64], degree: [usize; 2]) -> Kind {
     }
     let [p, q] = degree;
     let at = |i: usize, j: usize| points[i * (q + 1) + j];
-    let sides = changes_once((0..=p).map(|i| at(i, 0)))
-        && changes_once((0..=p).map(|i| at(i, q)))
-        && changes_once((0..=q).map(|j| at(0, j)))
-        && changes_once((0..=q).map(|j| at(p, j)));
-    if !sides {
-        return Kind::Last;
-    }
     let mut slopes = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
     let mut enter = |d: usize, slope: f64| {
         slopes[d] = [slopes[d][0].min(slope), slopes[d][1].max(slope)];
@@ -329,20 +337,26 @@ fn kind(points: &[f64], degree: [usize; 2]) -> Kind {
             }
         }
     }
-    let least = |[low, high]: [f64; 2]| match low > 0.0 || high < 0.0 {
-        true => low.abs().min(high.abs()),
-        false => 0.0,
-    };
-    let most = |[low, high]: [f64; 2]| low.abs().max(high.abs());
+    let most = slopes.map(|[low, high]| low.abs().max(high.abs()));
+    // Where the field hardly changes in a direction, halves of it are no better.
+    let halve = [0, 1].map(|d| most[d] > STEEP * most[1 - d]);
+    let sides = changes_once((0..=p).map(|i| at(i, 0)))
+        && changes_once((0..=p).map(|i| at(i, q)))
+        && changes_once((0..=q).map(|j| at(0, j)))
+        && changes_once((0..=q).map(|j| at(p, j)));
+    if !sides {
+        return Kind::Last(halve);
+    }
     let fits = |d: usize| {
-        // A graph over d rises in the other direction.
-        let m = least(slopes[1 - d]);
-        (m > 0.0 && most(slopes[1 - d]) <= EVEN * m && most(slopes[d]) <= EVEN * m)
-            .then(|| (d, most(slopes[d]) / m))
+        // A graph over d rises or falls in the other direction, least where it is flattest.
+        let [low, high] = slopes[1 - d];
+        let least = low.max(-high);
+        (least > 0.0 && most[1 - d] <= EVEN * least && most[d] <= EVEN * least)
+            .then(|| (d, most[d] / least))
     };
     match (fits(0), fits(1)) {
         (Some(u), Some(v)) => Kind::Graph(if u.1 <= v.1 { 0 } else { 1 }),
         (Some((d, _)), None) | (None, Some((d, _))) => Kind::Graph(d),
-        (None, None) => Kind::Last,
+        (None, None) => Kind::Last(halve),
     }
 }

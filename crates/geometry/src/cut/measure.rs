@@ -6,7 +6,7 @@
 use super::CutPlane;
 use super::field::Field;
 use super::graph::Graph;
-use super::grid::Grid;
+use super::grid::{Grid, WHOLE};
 use super::leaves::{Leaf, Leaves};
 use super::regions::Regions;
 use crate::math::{Point3, Vector3, gauss_legendre};
@@ -14,9 +14,9 @@ use crate::surface::Surface;
 use std::ops::AddAssign;
 
 /// Points of the rule on a whole span, on halves, and on what is smaller.
-const POINTS: [usize; 3] = [16, 12, 10];
-/// On a whole span of a rational surface.
-const RATIONAL_POINTS: usize = 24;
+const POINTS: [usize; 3] = [16, 14, 14];
+/// The same on a rational surface.
+const RATIONAL_POINTS: [usize; 3] = [24, 20, 16];
 
 /// Integrals over a part of the surface, about a point x₀ of the plane; N = S_u × S_v.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -62,11 +62,11 @@ pub(super) fn integrals(
     let degree = field.degree();
     // Of x (x · N): exact for polynomials.
     let exact = 2 * degree[0].max(degree[1]);
-    let whole = match surface.weights() {
+    let counts = match surface.weights() {
         Some(_) => RATIONAL_POINTS,
-        None => POINTS[0],
+        None => POINTS,
     };
-    let counts = [whole, POINTS[1], POINTS[2]].map(|count| count.max(exact));
+    let counts = counts.map(|count| count.max(exact));
     let work = Work {
         surface,
         grid,
@@ -102,7 +102,7 @@ pub(super) fn integrals(
 
 impl Work<'_> {
     fn rule(&self, leaf: &Leaf) -> &[(f64, f64)] {
-        let halvings = (super::grid::WHOLE / leaf.size).trailing_zeros() as usize;
+        let halvings = (WHOLE / leaf.size[0].max(leaf.size[1])).trailing_zeros() as usize;
         &self.rules[halvings.min(self.rules.len() - 1)]
     }
 

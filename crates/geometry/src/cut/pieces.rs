@@ -2,7 +2,7 @@
 
 use super::caps::caps;
 use super::field::{Field, restricted, value};
-use super::grid::{Grid, WHOLE};
+use super::grid::Grid;
 use super::leaves::{Leaf, Leaves};
 use super::measure::{Integrals, integrals};
 use super::regions::{Regions, Sets};
@@ -10,7 +10,7 @@ use super::rim::{Fitter, RimEdge};
 use super::{CutError, CutPlane};
 use crate::math::{Point3, Vector3};
 use crate::surface::{ClosestSolver, Surface};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Of the size: closer than this a plane touches.
 const TOUCHES: f64 = 1e-11;
@@ -71,7 +71,9 @@ pub struct Cut {
 struct Places {
     grid: Grid,
     degree: [usize; 2],
-    leaves: BTreeMap<([u64; 2], u64), Spot>,
+    leaves: BTreeMap<([u64; 2], [u64; 2]), Spot>,
+    /// Of the leaves, each once.
+    sizes: BTreeSet<[u64; 2]>,
 }
 
 struct Spot {
@@ -276,18 +278,17 @@ impl Cut {
             grid,
             degree,
             leaves,
+            sizes,
         } = &self.places;
         let uv = grid.reduced([u, v]);
         let below = grid.below(uv);
-        let mut size = WHOLE;
-        while size > 0 {
-            let at = below.map(|x| x - x % size);
+        for &size in sizes {
+            let at = [0, 1].map(|d| below[d] - below[d] % size[d]);
             if let Some(Spot { leaf, pieces }) = leaves.get(&(at, size)) {
                 let [x, y] = leaf.local(grid, uv);
                 let above = value(&restricted(&leaf.points, *degree, 0, x), y) > 0.0;
                 return pieces[usize::from(above)];
             }
-            size /= 2;
         }
         0
     }
@@ -313,6 +314,7 @@ impl Places {
         Self {
             grid,
             degree: field.degree(),
+            sizes: spots.keys().map(|(_, size)| *size).collect(),
             leaves: spots,
         }
     }

@@ -117,7 +117,7 @@ impl Build<'_> {
         for (k, leaf) in self.leaves.all.iter().enumerate() {
             let around = self.leaves.around(self.grid, leaf);
             match leaf.kind {
-                Kind::Last => last.push((k, around)),
+                Kind::Last(_) => last.push((k, around)),
                 _ => out.push((vec![k], around)),
             }
         }

@@ -27,7 +27,7 @@ impl Rules {
     }
 
     fn for_breaks(&self, breaks: &Breaks) -> &[(f64, f64)] {
-        let many = matches!(breaks, Breaks::Knots(knots) if knots.len() > MANY_BREAKS);
+        let many = matches!(breaks, Breaks::Knots(_, spans) if *spans > MANY_BREAKS);
         &self.0[usize::from(many)]
     }
 }
@@ -185,8 +185,8 @@ enum Breaks {
     None,
     /// At multiples of an angle.
     Angle,
-    /// At knots.
-    Knots(Vec<f64>),
+    /// At knots; how many spans the domain has.
+    Knots(Vec<f64>, usize),
 }
 
 impl Breaks {
@@ -194,7 +194,7 @@ impl Breaks {
         match self {
             Self::None => f64::INFINITY,
             Self::Angle => x + FRAC_PI_4,
-            Self::Knots(knots) => {
+            Self::Knots(knots, _) => {
                 let k = knots.partition_point(|&k| k <= x);
                 knots.get(k).copied().unwrap_or(f64::INFINITY)
             }
@@ -233,12 +233,14 @@ impl Carrier {
                 let periods = self.periods();
                 let breaks = |knots: &KnotVector, period: f64| {
                     let own: Vec<f64> = knots.spans().map(|i| knots.knots()[i]).collect();
-                    // Parameters go on past the end of a period.
-                    let next: Vec<f64> = own.iter().map(|knot| knot + period).collect();
-                    Breaks::Knots(match period {
-                        0.0 => own,
-                        _ => [own, next].concat(),
-                    })
+                    let spans = own.len();
+                    // Parameters go on past the end of a period, from where the chart cuts it.
+                    let turns = if period > 0.0 { 3 } else { 1 };
+                    let all = (0..turns).flat_map(|turn| {
+                        let shift = f64::from(turn) * period;
+                        own.iter().map(move |knot| knot + shift)
+                    });
+                    Breaks::Knots(all.collect(), spans)
                 };
                 [
                     breaks(surface.knots_u(), periods[0]),
