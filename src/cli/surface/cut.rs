@@ -15,10 +15,10 @@ pub struct Args {
     #[command(flatten)]
     source: SurfaceArg,
     /// A point of the plane, in the unit of the file.
-    #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_negative_numbers = true)]
+    #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true)]
     point: [f64; 3],
     /// Direction across the plane, of any length; it points to what is above.
-    #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_negative_numbers = true)]
+    #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true)]
     normal: [f64; 3],
     /// Write only this piece, from 0 [default: all of them].
     #[arg(long, value_name = "K")]
