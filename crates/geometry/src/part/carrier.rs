@@ -351,8 +351,9 @@ fn tip_normal(surface: &Surface, uv: [f64; 2]) -> Option<Vector3> {
     let end = |k: usize| {
         let (low, high) = domain[k];
         let near = AT_POLE * (high - low);
-        let ends = [low, high].into_iter();
-        ends.filter(|end| (uv[k] - end).abs() <= near).last()
+        [low, high]
+            .into_iter()
+            .find(|end| (uv[k] - end).abs() <= near)
     };
     (0..2).find_map(|k| {
         let end = end(k)?;
