@@ -1,6 +1,7 @@
 //! `palpate surface`: what can be done with a surface in a file, in any format that has surfaces.
 
 mod branch;
+mod cut;
 mod degree;
 pub(super) mod fit;
 mod info;
@@ -53,6 +54,8 @@ enum Command {
     Truncate(truncate::Args),
     /// Find the largest radius of a pipe around a curve, and write the pipe as a surface.
     Pipe(pipe::Args),
+    /// Cut by a plane; measure the pieces, and write them as parts with their caps.
+    Cut(cut::Args),
     /// Build one surface for a tree of branching tubes, or measure a given one.
     Branch(branch::Args),
 }
@@ -299,6 +302,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         Command::Isolate(args) => isolate::run(args),
         Command::Truncate(args) => truncate::run(args),
         Command::Pipe(args) => pipe::run(args),
+        Command::Cut(args) => cut::run(args),
         Command::Branch(args) => branch::run(args),
     }
 }

@@ -310,3 +310,52 @@ fn what_takes_one_surface_or_one_part_says_so() {
         assert!(said.contains(says), "{arguments:?}: {said}");
     }
 }
+
+#[test]
+fn pieces_of_a_cut_are_parts_with_the_volumes_that_it_prints() {
+    let directory = tempfile::tempdir().unwrap();
+    let drop = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("crates/geometry/src/surface/data/teardrop_12.json");
+    let drop = drop.to_str().unwrap();
+    let plane = ["--point", "0,0,45", "--normal", "0,0,1"];
+    let cut = |more: &[&str]| {
+        let arguments = [&["cut", drop][..], &plane, more].concat();
+        palpate(directory.path(), &arguments)
+    };
+    let output = cut(&["-o", "all.step", "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", words(&output));
+    let report = &lines(&output)[0];
+    assert_eq!(report["unit"], "mm");
+    let pieces = report["pieces"].as_array().unwrap();
+    let sides: Vec<&Value> = pieces.iter().map(|piece| &piece["side"]).collect();
+    assert_eq!(sides, ["above", "below"]);
+    // Of the reference data, mm³.
+    for (piece, volume) in pieces.iter().zip([20592.569198601304, 50091.50075468002]) {
+        assert!(near(&piece["volume"], &volume.into(), 1e-9), "{piece}");
+    }
+    for (k, piece) in pieces.iter().enumerate() {
+        let number = k.to_string();
+        let output = cut(&["-o", "one.step", "--piece", &number]);
+        assert_eq!(output.status.code(), Some(0), "{}", words(&output));
+        let output = palpate(directory.path(), &["info", "one.step", "--json"]);
+        let info = &lines(&output)[0];
+        assert_eq!(info["closed"], true, "{info}");
+        assert_eq!(info["faces"].as_array().unwrap().len(), 2);
+        assert!(near(&info["volume"], &piece["volume"], 1e-8), "{info}");
+    }
+    let info = &lines(&palpate(directory.path(), &["info", "all.step", "--json"]))[0];
+    assert_eq!(info["solids"].as_array().unwrap().len(), 2, "{info}");
+    let whole = 20592.569198601304 + 50091.50075468002;
+    assert!(near(&info["volume"], &whole.into(), 1e-8), "{info}");
+    for (arguments, said) in [
+        (["--piece", "2"], "there is no piece 2"),
+        (["-o", "pieces.stl"], "written as .step or .stp"),
+    ] {
+        let output = cut(&arguments);
+        assert_eq!(output.status.code(), Some(2), "{}", words(&output));
+        assert!(words(&output).contains(said), "{}", words(&output));
+    }
+    let missed = ["cut", drop, "--point", "0,0,200", "--normal", "0,0,1"];
+    let output = palpate(directory.path(), &missed);
+    assert!(words(&output).contains("does not cut the surface"));
+}

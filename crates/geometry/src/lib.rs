@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! math ──▶ basis ──▶ surface ──▶ part ──┬──▶ skin ──▶ contact    tool shapes, narrow and broad phases
+//!                                       ├──▶ cut                 pieces by a plane
 //!                                       └──▶ exchange            STEP, IGES, STL, OBJ, glTF
 //! ```
 //! Pure arithmetic apart from reading the files it is given: no clock, no threads, no sockets, and
@@ -12,6 +13,7 @@
 
 pub mod basis;
 pub mod contact;
+pub mod cut;
 pub mod exchange;
 pub mod math;
 pub mod part;

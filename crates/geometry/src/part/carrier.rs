@@ -231,7 +231,7 @@ impl Carrier {
                 round(axes, out, up)
             }
             Self::Spline(surface) => {
-                let normal = surface.normal(u, v);
+                let normal = tip_normal(surface, [u, v]).unwrap_or_else(|| surface.normal(u, v));
                 if surface.flip_normal() {
                     -normal
                 } else {
@@ -337,6 +337,51 @@ impl Carrier {
             _ => Vec::new(),
         }
     }
+}
+
+/// Of the range of a parameter: nearer than this to a pole is at it.
+const AT_POLE: f64 = 1e-9;
+/// Normals around a pole that differ by more are those of a tip.
+const SHARP: f64 = 1e-6;
+
+/// At a pole where a B-spline comes to a tip: the mean of the normals around it, as of the apex of a cone. Those of single
+/// parameters point away from places that see the tip from the other side.
+fn tip_normal(surface: &Surface, uv: [f64; 2]) -> Option<Vector3> {
+    let domain = [surface.knots_u().domain(), surface.knots_v().domain()];
+    let end = |k: usize| {
+        let (low, high) = domain[k];
+        let near = AT_POLE * (high - low);
+        [low, high]
+            .into_iter()
+            .find(|end| (uv[k] - end).abs() <= near)
+    };
+    (0..2).find_map(|k| {
+        let end = end(k)?;
+        let (low, high) = domain[1 - k];
+        let place = |share: f64| {
+            let along = low + share * (high - low);
+            if k == 0 { [end, along] } else { [along, end] }
+        };
+        let shares = (0..8).map(|i| f64::from(i) / 8.0);
+        let first = surface.point(place(0.0)[0], place(0.0)[1]);
+        let close_m = AT_POLE * surface.size();
+        let is_point = (shares.clone().skip(1)).all(|share| {
+            (surface.point(place(share)[0], place(share)[1]) - first).norm() <= close_m
+        });
+        if !is_point {
+            return None;
+        }
+        let normals: Vec<Vector3> = shares
+            .map(|share| surface.normal(place(share)[0], place(share)[1]))
+            .collect();
+        let sharp = normals.iter().any(|n| (n - normals[0]).norm() > SHARP);
+        let mean: Vector3 = normals.iter().sum();
+        if sharp {
+            mean.try_normalize(SHARP)
+        } else {
+            None
+        }
+    })
 }
 
 impl Carrier {

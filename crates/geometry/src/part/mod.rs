@@ -47,7 +47,7 @@ pub(crate) use minima::{Mark, PartMinima};
 pub use part::{FaceInfo, Part, PartError};
 pub use senses::{SenseProblem, Senses};
 pub(crate) use sharp::SharpEdge;
-pub use triangles::{PartMesh, TrianglesError};
+pub use triangles::{Fineness, PartMesh, TrianglesError};
 pub use trim::TrimProblem;
 
 #[cfg(test)]

@@ -28,7 +28,11 @@ impl Part {
     /// A face at an edge, and where on it a place of the edge is.
     pub(super) fn beside_edge(&self, edge: u32, at: (usize, f64)) -> (u32, [f64; 2]) {
         let edge = &self.edges[edge as usize];
-        let on = |side: &Side| Some((side.face, edge.on(side, &self.faces, at)?));
+        let on = |side: &Side| {
+            let uv = edge.on(side, &self.faces, at)?;
+            let chart = &self.faces[side.face as usize].trim.chart;
+            Some((side.face, chart.confined(uv)))
+        };
         let first = edge.sides.first().map_or(0, |side| side.face);
         edge.sides.iter().find_map(on).unwrap_or((first, [0.0; 2]))
     }

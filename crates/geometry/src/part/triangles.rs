@@ -35,6 +35,17 @@ const MOST_STEPS: f64 = 1.5;
 /// Of the size: vertices nearer to each other than this are one.
 const SAME: f64 = 1e-9;
 
+/// How finely a part is divided.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fineness {
+    /// How far triangles may be from their faces, m.
+    pub tolerance_m: f64,
+    /// Triangles at most.
+    pub most: usize,
+    /// Distance of points within planes, m; `None`: planes have points on their edges only.
+    pub plane_step_m: Option<f64>,
+}
+
 /// Triangles of a part.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PartMesh {
@@ -42,6 +53,8 @@ pub struct PartMesh {
     pub mesh: Mesh,
     /// The face of each triangle, as [`Part::faces`] counts them.
     pub faces: Vec<u32>,
+    /// Parameters of each point on a B-spline face that has it; `None` where there is none.
+    pub places: Vec<Option<[f64; 2]>>,
     /// The farthest that a middle of a triangle or of one of its sides is from the surface, or an edge from its chords, m.
     pub deviation_m: f64,
 }
@@ -52,10 +65,25 @@ impl Part {
     /// # Errors
     /// A tolerance that is not finite and above 0, more than `most` triangles, faces without bounds, loops that cross.
     pub fn triangles(&self, tolerance_m: f64, most: usize) -> Result<PartMesh, TrianglesError> {
-        if !(tolerance_m.is_finite() && tolerance_m > 0.0) {
-            return Err(TrianglesError::Tolerance(tolerance_m));
+        self.divided(&Fineness {
+            tolerance_m,
+            most,
+            plane_step_m: None,
+        })
+    }
+
+    /// [`Self::triangles`], with points within planes too if asked for.
+    ///
+    /// # Errors
+    /// As [`Self::triangles`]; a step is refused like a tolerance.
+    pub fn divided(&self, fineness: &Fineness) -> Result<PartMesh, TrianglesError> {
+        let lengths = [Some(fineness.tolerance_m), fineness.plane_step_m];
+        for length in lengths.into_iter().flatten() {
+            if !(length.is_finite() && length > 0.0) {
+                return Err(TrianglesError::Tolerance(length));
+            }
         }
-        let mut work = Work::new(self, tolerance_m, most)?;
+        let mut work = Work::new(self, fineness)?;
         for _ in 0..MOST_ROUNDS {
             work.divide_edges()?;
             if work.divide_faces()? {
@@ -78,8 +106,7 @@ struct Division {
 
 struct Work<'a> {
     part: &'a Part,
-    tolerance_m: f64,
-    most: usize,
+    fineness: Fineness,
     /// Of each vertex: the one at its place.
     same: Vec<u32>,
     divisions: Vec<Division>,
@@ -90,7 +117,7 @@ struct Work<'a> {
 }
 
 impl<'a> Work<'a> {
-    fn new(part: &'a Part, tolerance_m: f64, most: usize) -> Result<Self, TrianglesError> {
+    fn new(part: &'a Part, fineness: &Fineness) -> Result<Self, TrianglesError> {
         let mut uses = vec![Vec::new(); part.faces.len()];
         for (e, edge) in part.edges.iter().enumerate() {
             for (side, at) in edge.sides.iter().enumerate() {
@@ -99,12 +126,11 @@ impl<'a> Work<'a> {
         }
         let sheets = uses.into_iter().enumerate();
         let same = same_places(part);
-        let sheets = sheets.map(|(f, uses)| Sheet::new(part, f, uses, &same, tolerance_m));
+        let sheets = sheets.map(|(f, uses)| Sheet::new(part, f, uses, &same, fineness));
         let sheets = sheets.collect::<Result<Vec<_>, _>>()?;
         let mut work = Self {
             part,
-            tolerance_m,
-            most,
+            fineness: *fineness,
             same,
             divisions: vec![Division::default(); part.edges.len()],
             patches: vec![None; part.faces.len()],
@@ -164,8 +190,10 @@ impl<'a> Work<'a> {
                         places.push(b);
                         ahead.pop();
                     }
-                    if total + places.len() > self.most {
-                        return Err(TrianglesError::TooMany { most: self.most });
+                    if total + places.len() > self.fineness.most {
+                        return Err(TrianglesError::TooMany {
+                            most: self.fineness.most,
+                        });
                     }
                 }
             }
@@ -192,7 +220,7 @@ impl<'a> Work<'a> {
     /// Whether a chord is too far from its curve, or goes too many steps on a face.
     fn is_long(&self, e: u32, a: f64, b: f64) -> bool {
         let edge = &self.part.edges[e as usize];
-        if chord_off(edge, a, b) > self.tolerance_m {
+        if chord_off(edge, a, b) > self.fineness.tolerance_m {
             return true;
         }
         let ends = [a, b].map(|g| sheet::point_at(edge, g));
@@ -217,12 +245,12 @@ impl<'a> Work<'a> {
                     let gap_m = sheet.uses.iter().fold(0.0f64, |gap, &(e, _)| {
                         gap.max(self.part.edges[e as usize].gap_m)
                     });
-                    let allowed = self.tolerance_m + 2.0 * gap_m;
+                    let allowed = self.fineness.tolerance_m + 2.0 * gap_m;
                     let (count, finer) = self.finer[f];
                     if patch.off_m > allowed && count < MOST_FINER {
                         let more = (patch.off_m / allowed).sqrt().clamp(1.1, 2.0);
                         self.finer[f] = (count + 1, finer * more);
-                        self.sheets[f].lay_out(self.part, self.tolerance_m, finer * more);
+                        self.sheets[f].lay_out(self.part, &self.fineness, finer * more);
                         good = false;
                     } else {
                         self.patches[f] = Some(patch);
@@ -259,8 +287,10 @@ impl<'a> Work<'a> {
             }
         }
         let triangles = self.patches.iter().flatten().map(|p| p.triangles.len());
-        if triangles.sum::<usize>() > self.most {
-            return Err(TrianglesError::TooMany { most: self.most });
+        if triangles.sum::<usize>() > self.fineness.most {
+            return Err(TrianglesError::TooMany {
+                most: self.fineness.most,
+            });
         }
         Ok(good)
     }
@@ -285,6 +315,7 @@ impl<'a> Work<'a> {
     /// One mesh of all faces.
     fn assembled(&self) -> Result<PartMesh, TrianglesError> {
         let mut points: Vec<Point3> = Vec::new();
+        let mut places: Vec<Option<[f64; 2]>> = Vec::new();
         let mut shared: BTreeMap<Id, u32> = BTreeMap::new();
         let mut triangles = Vec::new();
         let mut faces = Vec::new();
@@ -299,10 +330,14 @@ impl<'a> Work<'a> {
                         Id::Vertex(_) | Id::Edge(..) => &mut shared,
                         Id::Pole(_) | Id::Inner(_) => &mut own,
                     };
-                    *known.entry(id).or_insert_with(|| {
+                    let k = *known.entry(id).or_insert_with(|| {
                         points.push(self.point(f, id, patch));
+                        places.push(None);
                         points.len() as u32 - 1
-                    })
+                    });
+                    let place = &mut places[k as usize];
+                    *place = place.or_else(|| patch.places.get(&id).copied());
+                    k
                 });
                 triangles.push(corners);
                 faces.push(f as u32);
@@ -317,6 +352,7 @@ impl<'a> Work<'a> {
         Ok(PartMesh {
             mesh,
             faces,
+            places,
             deviation_m,
         })
     }

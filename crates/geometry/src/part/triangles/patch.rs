@@ -24,6 +24,8 @@ pub(super) struct Patch {
     pub triangles: Vec<[Id; 3]>,
     /// Points of its own.
     pub inner: Vec<Point3>,
+    /// Parameters of its corners, on B-splines.
+    pub places: BTreeMap<Id, [f64; 2]>,
     /// The farthest from the surface, m.
     pub off_m: f64,
 }
@@ -53,6 +55,8 @@ struct Sketch<'a> {
     /// Corners of each chord, its edge and number.
     chords: Vec<([usize; 2], (u32, usize))>,
     inner: Vec<Point3>,
+    /// A plane without points within.
+    bare: bool,
     taken: Taken,
 }
 
@@ -67,6 +71,8 @@ pub(super) fn divide(work: &Work<'_>, f: usize) -> Result<Patch, Problem> {
         known: BTreeMap::new(),
         chords: Vec::new(),
         inner: Vec::new(),
+        bare: matches!(sheet.face.carrier, Carrier::Plane(_))
+            && work.fineness.plane_step_m.is_none(),
         taken: Taken::default(),
     };
     let mut boundary = Vec::new();
@@ -75,8 +81,8 @@ pub(super) fn divide(work: &Work<'_>, f: usize) -> Result<Patch, Problem> {
     }
     sketch.clear();
     match &sheet.layout {
-        Layout::Flat(_) => sketch.fill_flat(work.most)?,
-        Layout::Ball(..) => sketch.fill_ball(work.most)?,
+        Layout::Flat(_) => sketch.fill_flat(work.fineness.most)?,
+        Layout::Ball(..) => sketch.fill_ball(work.fineness.most)?,
     }
     let (cdt, numbers) = sketch.triangulated()?;
     let kept = sketch.inside(&cdt, &numbers);
@@ -94,8 +100,15 @@ pub(super) fn divide(work: &Work<'_>, f: usize) -> Result<Patch, Problem> {
     if triangles.is_empty() || !ends_at(&triangles, boundary) && !open_sheet {
         return Err(Problem::Astray);
     }
+    let places = match &sheet.face.carrier {
+        Carrier::Spline(_) => (kept.iter().flatten())
+            .map(|&c| (sketch.corners[c].id, sheet.confined(sketch.corners[c].uv)))
+            .collect(),
+        _ => BTreeMap::new(),
+    };
     Ok(Patch {
         triangles,
+        places,
         inner: sketch.inner,
         off_m,
     })
@@ -227,7 +240,7 @@ impl Sketch<'_> {
 
     /// Enters chords and corners as what points within keep clear of.
     fn clear(&mut self) {
-        if let Carrier::Plane(_) = self.sheet.face.carrier {
+        if self.bare {
             return;
         }
         let mut places = Vec::new();
@@ -258,10 +271,7 @@ impl Sketch<'_> {
     /// Points at whole steps, on cuts and poles too.
     fn fill_flat(&mut self, most: usize) -> Result<(), Problem> {
         let sheet = self.sheet;
-        let (Layout::Flat(rulers), false) = (
-            &sheet.layout,
-            matches!(sheet.face.carrier, Carrier::Plane(_)),
-        ) else {
+        let (Layout::Flat(rulers), false) = (&sheet.layout, self.bare) else {
             return Ok(());
         };
         let counts = [0, 1].map(|d| rulers[d].steps());

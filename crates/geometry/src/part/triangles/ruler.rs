@@ -2,6 +2,7 @@
 
 use super::super::carrier::Carrier;
 use super::super::chart::{lifted, wrap};
+use super::Fineness;
 use crate::math::{Point3, Vector3};
 use crate::surface::{BezierPieces, Surface};
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -148,9 +149,10 @@ pub(super) fn rulers(
     carrier: &Carrier,
     range: [[f64; 2]; 2],
     cut: [f64; 2],
-    tolerance_m: f64,
+    fineness: &Fineness,
     finer: f64,
 ) -> [Ruler; 2] {
+    let tolerance_m = fineness.tolerance_m;
     let [u, v] = range;
     let turn = |radius: f64, width: f64| {
         let step = sagitta_step(radius, tolerance_m).min(TAU / LEAST_TURN);
@@ -160,9 +162,10 @@ pub(super) fn rulers(
         Carrier::Plane(_) | Carrier::Sphere { .. } => {
             let [a, b] = [u[1] - u[0], v[1] - v[0]];
             let most = a.max(b).max(f64::MIN_POSITIVE);
+            let step = fineness.plane_step_m.map_or(most, |step| step.min(most));
             [
-                Ruler::even(u, a / most, cut[0]),
-                Ruler::even(v, b / most, cut[1]),
+                Ruler::even(u, a / step, cut[0]),
+                Ruler::even(v, b / step, cut[1]),
             ]
         }
         Carrier::Cylinder { radius_m, .. } => [

@@ -4,6 +4,7 @@ use super::super::bezier;
 use super::super::carrier::Carrier;
 use super::super::chart::{lifted, wrap};
 use super::super::part::{Edge, Face, Part};
+use super::Fineness;
 use super::corner::{Id, TrianglesError};
 use super::ruler::{self, Plane, Ruler};
 use crate::math::{Point3, Vector3};
@@ -44,7 +45,7 @@ impl<'a> Sheet<'a> {
         index: usize,
         uses: Vec<(u32, usize)>,
         same: &[u32],
-        tolerance_m: f64,
+        fineness: &Fineness,
     ) -> Result<Self, TrianglesError> {
         let face = &part.faces[index];
         let mut sheet = Self {
@@ -74,7 +75,7 @@ impl<'a> Sheet<'a> {
             sheet.poles.push((direction, value, id, point));
         }
         sheet.measure(part)?;
-        sheet.lay_out(part, tolerance_m, 1.0);
+        sheet.lay_out(part, fineness, 1.0);
         Ok(sheet)
     }
 
@@ -185,7 +186,8 @@ impl<'a> Sheet<'a> {
     }
 
     /// With steps for a tolerance, `finer` times as many.
-    pub fn lay_out(&mut self, part: &Part, tolerance_m: f64, finer: f64) {
+    pub fn lay_out(&mut self, part: &Part, fineness: &Fineness, finer: f64) {
+        let tolerance_m = fineness.tolerance_m;
         let carrier = &self.face.carrier;
         self.layout = match carrier {
             Carrier::Sphere { radius_m, .. } => {
@@ -197,7 +199,7 @@ impl<'a> Sheet<'a> {
                 Layout::Ball(plane, step.min(0.7))
             }
             _ => {
-                let rulers = ruler::rulers(carrier, self.range, self.cut, tolerance_m, finer);
+                let rulers = ruler::rulers(carrier, self.range, self.cut, fineness, finer);
                 Layout::Flat(rulers)
             }
         };
