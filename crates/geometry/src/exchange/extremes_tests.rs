@@ -166,6 +166,42 @@ fn surfaces_of_files_with_extreme_numbers_are_refused_or_finite() {
 }
 
 #[test]
+fn parts_of_files_with_extreme_numbers_are_refused_or_finite() {
+    let mut taken = 0;
+    for (k, name) in ["turned", "cone_tip", "filleted_box"]
+        .into_iter()
+        .enumerate()
+    {
+        let path = format!(
+            "{}/tests/data/parts/{name}.step",
+            env!("CARGO_MANIFEST_DIR")
+        );
+        let file = std::fs::read(path).unwrap();
+        let mut random = Random(k as u64 + 31);
+        for _ in 0..120 {
+            let (changed, said) = replaced(&file, &mut random);
+            let said = format!("{name}: {said}");
+            let Ok(mut read) = step::read_part(&changed, &step::PartPick::default()) else {
+                continue;
+            };
+            let Ok(part) = read.part(false) else {
+                continue;
+            };
+            taken += 1;
+            let measured = part.measure();
+            let volume_m3 = measured.volume_m3.unwrap_or(0.0);
+            all_finite(&said, measured.face_areas_m2);
+            all_finite(&said, [volume_m3, part.size_m(), part.gap_m()]);
+            let mut solver = crate::part::PartSolver::new(&part);
+            let (low, high) = part.bounds();
+            let foot = solver.closest(&part, &(low + (high - low) * 0.3)).unwrap();
+            all_finite(&said, [foot.distance, foot.point.x, foot.normal.x]);
+        }
+    }
+    assert!(taken > 40, "only {taken} files were taken at all");
+}
+
+#[test]
 fn meshes_and_points_of_files_with_extreme_numbers_are_refused_or_finite() {
     let mesh = surfaces()[5].1.tessellated([1; 2]).unwrap();
     let (mut taken, mut random) = (0, Random(77));

@@ -27,7 +27,7 @@ impl Rules {
     }
 
     fn for_breaks(&self, breaks: &Breaks) -> &[(f64, f64)] {
-        let many = matches!(breaks, Breaks::Knots { spans, .. } if *spans > MANY_BREAKS);
+        let many = matches!(breaks, Breaks::Knots(_, spans) if *spans > MANY_BREAKS);
         &self.0[usize::from(many)]
     }
 }
@@ -129,8 +129,16 @@ impl Face {
                 |v| value(u + ou, v),
             )
         };
+        let level = |walk: &Walk<'_>| {
+            let ends = walk.u.map(|u| u + ou);
+            let rule = rules.for_breaks(&breaks[0]);
+            over(rule, &breaks[0], ends, |u| inner(u - ou, walk.v))
+        };
         let arcs: f64 = (self.trim.walks())
-            .map(|walk| walk.integral(rule, &breaks[0], chart, &inner))
+            .map(|walk| match walk.points {
+                Some(points) => walk.integral(points, rule, chart, &inner),
+                None => level(&walk),
+            })
             .sum();
         let mut base = 0.0;
         for ([from, to], count) in self.trim.bases() {
@@ -177,8 +185,8 @@ enum Breaks {
     None,
     /// At multiples of an angle.
     Angle,
-    /// At knots; past the ends of a periodic direction at those of the periods beside.
-    Knots { at: Vec<f64>, spans: usize },
+    /// At knots; how many spans the domain has.
+    Knots(Vec<f64>, usize),
 }
 
 impl Breaks {
@@ -186,9 +194,9 @@ impl Breaks {
         match self {
             Self::None => f64::INFINITY,
             Self::Angle => x + FRAC_PI_4,
-            Self::Knots { at, .. } => {
-                let k = at.partition_point(|&k| k <= x);
-                at.get(k).copied().unwrap_or(f64::INFINITY)
+            Self::Knots(knots, _) => {
+                let k = knots.partition_point(|&k| k <= x);
+                knots.get(k).copied().unwrap_or(f64::INFINITY)
             }
         }
     }
@@ -223,24 +231,20 @@ impl Carrier {
             Self::Sphere { .. } | Self::Torus { .. } => [Breaks::Angle, Breaks::Angle],
             Self::Spline(surface) => {
                 let periods = self.periods();
-                let of = |knots: &KnotVector, period: f64| {
-                    let once: Vec<f64> = knots.spans().map(|i| knots.knots()[i]).collect();
-                    let shifts: &[f64] = if period > 0.0 {
-                        &[-1.0, 0.0, 1.0]
-                    } else {
-                        &[0.0]
-                    };
-                    let all = shifts
-                        .iter()
-                        .flat_map(|k| once.iter().map(move |t| t + k * period));
-                    Breaks::Knots {
-                        at: all.collect(),
-                        spans: once.len(),
-                    }
+                let breaks = |knots: &KnotVector, period: f64| {
+                    let own: Vec<f64> = knots.spans().map(|i| knots.knots()[i]).collect();
+                    let spans = own.len();
+                    // Parameters go on past the ends of a period, from where the chart cuts it.
+                    let turns = if period > 0.0 { -1..3 } else { 0..1 };
+                    let all = turns.flat_map(|turn: i8| {
+                        let shift = f64::from(turn) * period;
+                        own.iter().map(move |knot| knot + shift)
+                    });
+                    Breaks::Knots(all.collect(), spans)
                 };
                 [
-                    of(surface.knots_u(), periods[0]),
-                    of(surface.knots_v(), periods[1]),
+                    breaks(surface.knots_u(), periods[0]),
+                    breaks(surface.knots_v(), periods[1]),
                 ]
             }
         }
@@ -263,19 +267,14 @@ impl Carrier {
 }
 
 impl Walk<'_> {
-    /// ∫ F(u, v) du along it.
+    /// ∫ F(u, v) du along its segment.
     fn integral(
         &self,
+        (points, [from, to]): (&[bezier::Homogeneous], [f64; 2]),
         rule: &[(f64, f64)],
-        breaks: &Breaks,
         chart: &super::chart::Chart,
         f: &impl Fn(f64, f64) -> f64,
     ) -> f64 {
-        let Some((points, [from, to])) = self.points else {
-            let origin = chart.origin[0];
-            let along = self.u.map(|u| u + origin);
-            return over(rule, breaks, along, |u| f(u - origin, self.v));
-        };
         if self.u[0] == self.u[1] || from == to {
             return 0.0;
         }

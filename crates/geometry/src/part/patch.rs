@@ -1,16 +1,14 @@
 //! A part of one face on a B-spline, as a surface and its trim.
 
-use super::bezier;
 use super::carrier::Carrier;
 use super::part::Part;
+use super::pcurve::FlatCurve;
 use crate::surface::{Surface, Trim, TrimError};
 
 /// Places of all loops, about.
 const PLACES: usize = 2048;
-/// Most chords of a monotone piece of a loop.
+/// Most chords of a cubic of a loop.
 const MOST_CHORDS: usize = 64;
-/// In parameters over the range of the loops: pieces farther apart belong to two loops.
-const APART: f64 = 1e-4;
 
 impl Part {
     /// The surface of the one face and what is kept of it, in chords of its loops; none where there are more faces, the face is
@@ -22,39 +20,43 @@ impl Part {
         let [face] = self.faces.as_slice() else {
             return None;
         };
-        let (Carrier::Spline(surface), [0.0, 0.0]) = (&face.carrier, face.trim.chart.periods)
-        else {
+        let (Carrier::Spline(_), [0.0, 0.0]) = (&face.carrier, face.trim.chart.periods) else {
             return None;
         };
-        let walks: Vec<_> = face.trim.walks().collect();
-        let chords = (PLACES / walks.len().max(1)).clamp(1, MOST_CHORDS);
-        let range = face.trim.reach.map(|[low, high]| high - low);
-        let near =
-            |a: [f64; 2], b: [f64; 2]| (0..2).all(|k| (a[k] - b[k]).abs() <= APART * range[k]);
-        let mut loops: Vec<Vec<[f64; 2]>> = Vec::new();
-        for walk in walks {
-            let (points, [from, to]) = walk.points?;
-            let n = if points.len() == 2 { 1 } else { chords };
-            let at = |k: usize| {
-                let t = from + (to - from) * (k as f64 / n as f64);
-                face.trim.chart.raw(&bezier::evaluate(points, t).0)
-            };
-            let follows = |places: &&mut Vec<[f64; 2]>| {
-                let closed = places.len() > 2 && near(places[0], places[places.len() - 1]);
-                !closed && near(places[places.len() - 1], at(0))
-            };
-            match loops.last_mut().filter(follows) {
-                Some(places) => places.extend((1..=n).map(at)),
-                None => loops.push((0..=n).map(at).collect()),
-            }
-        }
-        for places in &mut loops {
-            // The end that closes it is the start, but for the gap of an edge.
-            if places.len() > 1 && near(places[0], places[places.len() - 1]) {
-                places.pop();
-            }
-        }
-        let surface = Surface::clone(surface);
-        Some(Trim::new(&surface, loops).map(|trim| (surface, trim)))
+        let flat = self.flattened(0).ok()?;
+        let pictures = || flat.loops.iter().flatten().map(|piece| &piece.picture);
+        let cubics: usize = pictures().map(|picture| picture.points.len() / 3).sum();
+        let chords = (PLACES / cubics.max(1)).clamp(1, MOST_CHORDS);
+        let loops = flat.loops.iter().map(|pieces| {
+            let pieces = pieces.iter();
+            pieces
+                .flat_map(|piece| places(&piece.picture, chords))
+                .collect()
+        });
+        let loops: Vec<Vec<[f64; 2]>> = loops.collect();
+        Some(Trim::new(&flat.surface, loops).map(|trim| (flat.surface, trim)))
     }
+}
+
+/// Places of a curve but the last, so many on each of its cubics, one on straight ones.
+fn places(picture: &FlatCurve, chords: usize) -> impl Iterator<Item = [f64; 2]> + '_ {
+    let cubics = picture.points.windows(4).step_by(3);
+    cubics.flat_map(move |points| {
+        let [a, b, c, d] = [points[0], points[1], points[2], points[3]];
+        let (long, bent) = ([d[0] - a[0], d[1] - a[1]], |p: [f64; 2]| {
+            ((p[0] - a[0]) * (d[1] - a[1]) - (p[1] - a[1]) * (d[0] - a[0])).abs()
+        });
+        let straight = 1e-9 * (long[0] * long[0] + long[1] * long[1]);
+        let count = if bent(b).max(bent(c)) <= straight {
+            1
+        } else {
+            chords
+        };
+        (0..count).map(move |k| {
+            let t = k as f64 / count as f64;
+            let s = 1.0 - t;
+            let weights = [s * s * s, 3.0 * s * s * t, 3.0 * s * t * t, t * t * t];
+            std::array::from_fn(|d| (0..4).map(|i| weights[i] * points[i][d]).sum())
+        })
+    })
 }

@@ -2,8 +2,7 @@
 
 use super::carrier::Carrier;
 use super::fan::{beside, frame};
-use super::foot::Support;
-use super::part::{Part, Side};
+use super::part::{Face, Part, Side};
 use crate::math::{Point3, Vector3};
 
 /// Places of an edge in each of its segments: what a cubic between two leaves over is below 1e-9 of a quarter circle.
@@ -12,6 +11,8 @@ const PLACES: usize = 48;
 const ASKED: usize = 9;
 /// Of the size: a step from the end of a flat face, and of the step, how far what goes on from there is below it.
 const STEP: f64 = 1e-3;
+/// Two flat faces whose normals are this near are one plane.
+const LEVEL: f64 = 1e-9;
 const BELOW: f64 = 1e-6;
 
 /// An edge that stands out.
@@ -75,22 +76,37 @@ impl Part {
         (edges.collect(), tips.collect())
     }
 
-    /// The plane of a face, outward unit normal and its distance from the origin, m, at the support of a foot.
-    pub(crate) fn plane_at(&self, support: Support) -> Option<(u32, Vector3, f64)> {
-        let Support::Face(k) = support else {
-            return None;
+    /// By face: the plane of one that is flat and ends in edges at which faces meet at a greater angle than that of a cosine;
+    /// outward unit normal and its distance from the origin, m.
+    pub(crate) fn planes(&self, cosine: f64) -> Vec<Option<(Vector3, f64)>> {
+        let plane = |face: &Face| match &face.carrier {
+            Carrier::Plane(axes) => {
+                let normal = face.normal([0.0; 2]);
+                Some((normal, normal.dot(&axes.origin.coords)))
+            }
+            _ => None,
         };
-        self.plane_of(k)
-            .map(|(normal, offset_m)| (k, normal, offset_m))
-    }
-
-    /// That of a face by index.
-    pub(crate) fn plane_of(&self, face: u32) -> Option<(Vector3, f64)> {
-        let of = self.faces.get(face as usize)?;
-        let Carrier::Plane(axes) = &of.carrier else {
-            return None;
-        };
-        let normal = of.normal([0.0; 2]);
-        Some((normal, normal.dot(&axes.origin.coords)))
+        let mut planes: Vec<_> = self.faces.iter().map(plane).collect();
+        for edge in &self.edges {
+            let flat = |side: &Side| {
+                let face = &self.faces[side.face as usize];
+                matches!(face.carrier, Carrier::Plane(_))
+            };
+            let both_flat = edge.sides.iter().all(flat);
+            let smooth = edge.curve.samples(ASKED).any(|at| {
+                let tangent = edge.curve.slope(at).normalize();
+                let normals = edge.sides.iter();
+                let normals = normals.filter_map(|side| frame(self, edge, side, at, &tangent));
+                let normals: Vec<_> = normals.map(|(_, normal, _)| normal).collect();
+                let [n, m] = normals[..] else {
+                    return false;
+                };
+                n.dot(&m) >= cosine && !(both_flat && n.cross(&m).norm() <= LEVEL)
+            });
+            for side in edge.sides.iter().filter(|_| smooth) {
+                planes[side.face as usize] = None;
+            }
+        }
+        planes
     }
 }

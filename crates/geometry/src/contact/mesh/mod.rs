@@ -15,6 +15,7 @@ mod tests;
 
 use self::parry::Triangles;
 use crate::contact::Features;
+use crate::contact::features::SHARP;
 use crate::math::{Point3, Pose, Vector3};
 use crate::part::{Part, PartMesh, TrianglesError};
 use std::sync::Arc;
@@ -41,7 +42,7 @@ pub struct MeshTool {
     /// (⌈vertices / BLOCK⌉): centre and radius of a ball around each block of vertices, m.
     blocks: Vec<(Point3, f64)>,
     features: Features,
-    /// (triangles): normal and its distance from the origin, m; of those whose sides all are sharp or level.
+    /// (triangles, or faces of a part): normal and its distance from the origin, m; of those whose sides all are sharp or level.
     planes: Vec<Option<(Vector3, f64)>>,
     volume_m3: f64,
     size_m: f64,
@@ -139,7 +140,7 @@ impl MeshTool {
             .map_err(refused)?;
         let mut tool = Self::new(&mesh.points, &mesh.triangles)?;
         tool.features = Features::of_part(&part);
-        tool.planes.clear();
+        tool.planes = part.planes(SHARP);
         // It is measured in the middle of triangles and of their sides.
         tool.off_m = 2.0 * deviation_m + part.gap_m();
         tool.part = Some(part);

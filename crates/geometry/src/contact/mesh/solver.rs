@@ -10,7 +10,7 @@ use super::{BLOCK, MeshTool};
 use crate::contact::depth::{DepthField, SkinDepths};
 use crate::contact::{Contact, ContactSet, MAX_CONTACTS, Reach, ToolPoint};
 use crate::math::{Point3, Pose, Vector3};
-use crate::part::{Part, PartFoot, PartSolver};
+use crate::part::{Part, PartFoot, PartSolver, Support};
 use crate::skin::{Skin, SkinSolver};
 use crate::surface::{ClosestPoint, WarmFoot};
 use std::cell::RefCell;
@@ -134,8 +134,11 @@ impl DepthField for PlacedMesh<'_> {
         }
         let tool = self.distance.tool;
         if let (Some(asked), Some(part)) = (self.distance.part, &tool.part) {
-            let foot = asked.borrow_mut().foot(part, &p)?;
-            return part.plane_at(foot.support).map(|(face, ..)| face as usize);
+            let Support::Face(face) = asked.borrow_mut().foot(part, &p)?.support else {
+                return None;
+            };
+            let face = face as usize;
+            return tool.planes[face].map(|_| face);
         }
         let triangle = tool.triangles.nearest(&p);
         tool.planes[triangle].map(|_| triangle)
@@ -144,11 +147,7 @@ impl DepthField for PlacedMesh<'_> {
     fn depth_below(&self, side: usize, p: &Point3) -> f64 {
         let p = self.pose.inverse_transform_point(p);
         let tool = self.distance.tool;
-        let plane = match &tool.part {
-            Some(part) => part.plane_of(side as u32),
-            None => tool.planes[side],
-        };
-        plane.map_or(f64::NEG_INFINITY, |(normal, offset_m)| {
+        tool.planes[side].map_or(f64::NEG_INFINITY, |(normal, offset_m)| {
             offset_m - normal.dot(&p.coords)
         })
     }

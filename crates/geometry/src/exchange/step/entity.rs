@@ -7,6 +7,9 @@ use crate::math::{MOST_COORDINATE_M, Point3, Vector3, direction_of, first_outsid
 use crate::part::{Axes, is_unit};
 use std::cell::{Cell, RefCell};
 
+/// Coordinates below this are 0, m.
+const LEAST_M: f64 = 1e-100;
+
 /// How often a byte of the file may be read on average, and how many bytes anyway. What solids share is read once for
 /// each of them: files need two or three times.
 const MOST_TIMES: usize = 16;
@@ -69,7 +72,12 @@ impl<'a, 'b> File<'a, 'b> {
     pub fn point(&self, id: u64, from: u64, unit: &Unit) -> Result<Point3, StepError> {
         let entity = self.entity(id, from)?;
         let [x, y, z] = entity.triple("CARTESIAN_POINT", "a point with three coordinates")?;
-        let point = Point3::new(unit.to_metres(x), unit.to_metres(y), unit.to_metres(z));
+        // What is smaller has no square, and is no length.
+        let length_m = |x: f64| match unit.to_metres(x) {
+            x_m if x_m.abs() < LEAST_M => 0.0,
+            x_m => x_m,
+        };
+        let point = Point3::new(length_m(x), length_m(y), length_m(z));
         match first_outside(&[point]) {
             None => Ok(point),
             Some((_, value)) => Err(entity.value("a coordinate (m)", value, WITHIN)),
