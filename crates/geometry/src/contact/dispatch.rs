@@ -514,7 +514,7 @@ impl Narrow {
                 (theirs, mine)
             };
             let part = part.skin.part()?;
-            if !known && !on.skin.is_closed() {
+            if !known && solid.is_on_sheet() {
                 let foot = on.solver.closest(on.skin, &part.middle());
                 reach.below = foot.signed_distance < 0.0;
             }

@@ -12,6 +12,8 @@ use std::sync::Arc;
 pub struct PartSolid {
     tool: Arc<MeshTool>,
     solver: MeshSolver,
+    /// The body has an inside.
+    closed: bool,
     /// Of one with corners and edges.
     features: Option<FeatureSearch>,
 }
@@ -23,8 +25,14 @@ impl PartSolid {
         Self {
             solver: MeshSolver::new(body, part),
             features: (!known.is_empty()).then(|| FeatureSearch::new(body, known)),
+            closed: body.is_closed(),
             tool: part.clone(),
         }
+    }
+
+    /// The body has no inside.
+    pub fn is_on_sheet(&self) -> bool {
+        !self.closed
     }
 
     /// Contacts of the part at a pose, as tool, with the body; each has a place on both.
@@ -40,6 +48,7 @@ impl PartSolid {
             tool,
             solver,
             features,
+            ..
         } = self;
         let known = tool.features();
         if let Some(features) = features {
