@@ -9,6 +9,8 @@ use crate::surface::{Surface, Trim, TrimError};
 const PLACES: usize = 2048;
 /// Most chords of a cubic of a loop.
 const MOST_CHORDS: usize = 64;
+/// Of the domain: a place this near to an end of it is there.
+const SEATED: f64 = 1e-9;
 
 impl Part {
     /// The surface of the one face and what is kept of it, in chords of its loops; none where there are more faces, the face is
@@ -27,11 +29,23 @@ impl Part {
         let pictures = || flat.loops.iter().flatten().map(|piece| &piece.picture);
         let cubics: usize = pictures().map(|picture| picture.points.len() / 3).sum();
         let chords = (PLACES / cubics.max(1)).clamp(1, MOST_CHORDS);
+        let domain = [flat.surface.knots_u(), flat.surface.knots_v()].map(|knots| knots.domain());
+        // Edges along the ends of the surface lie on them but for rounding.
+        let seated = |uv: [f64; 2]| {
+            std::array::from_fn(|k| {
+                let (low, high) = domain[k];
+                let close = SEATED * (high - low);
+                let end = [low, high]
+                    .into_iter()
+                    .find(|end| (uv[k] - end).abs() <= close);
+                end.unwrap_or(uv[k])
+            })
+        };
         let loops = flat.loops.iter().map(|pieces| {
-            let pieces = pieces.iter();
-            pieces
-                .flat_map(|piece| places(&piece.picture, chords))
-                .collect()
+            let all = pieces
+                .iter()
+                .flat_map(|piece| places(&piece.picture, chords));
+            all.map(seated).collect()
         });
         let loops: Vec<Vec<[f64; 2]>> = loops.collect();
         Some(Trim::new(&flat.surface, loops).map(|trim| (flat.surface, trim)))
