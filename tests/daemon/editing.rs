@@ -247,9 +247,13 @@ fn what_cannot_be_edited_is_refused_and_the_scene_goes_on() {
     session.finish(pen).unwrap();
 }
 
-/// Two balls in each other, one of which may become soft.
+/// Two balls in each other, or apart and one of them soft.
 fn balls(soft: bool) -> String {
-    let model = if soft { "model = \"lattice\"" } else { "" };
+    let (model, x) = if soft {
+        ("model = \"lattice\"", 0.1)
+    } else {
+        ("", 0.03)
+    };
     format!(
         r#"
 [[body]]
@@ -260,12 +264,12 @@ surface = {{ builtin = "sphere", size = 0.02 }}
 [[body]]
 id = "right"
 surface = {{ builtin = "sphere", size = 0.02 }}
-pose = {{ position = [0.03, 0.0, 0.0] }}
+pose = {{ position = [{x:?}, 0.0, 0.0] }}
 
 [[tool]]
 id = "pen"
 shape = {{ sphere = {{ radius_m = 5e-3 }} }}
-pose = {{ position = [0.0, 0.0, 0.0249] }}
+pose = {{ position = [0.0, 0.0, 0.0255] }}
 "#
     )
 }
