@@ -284,10 +284,12 @@ fn bodies_are_truncated_under_a_tool_and_each_part_of_the_recording_replays() {
         .start()
         .unwrap();
     let mut pen = session.tool("pen").unwrap();
+    let mut height: f64 = 0.0255;
     let mut press = |session: &mut TestSession, ticks: usize| -> f64 {
         let mut last = 0.0;
         for _ in 0..ticks {
-            let force = session.step(&mut pen, pose_at([0.0, 0.0, 0.0245]));
+            height = (height - 5e-6).max(0.0245);
+            let force = session.step(&mut pen, pose_at([0.0, 0.0, height]));
             last = force.unwrap().force[2];
         }
         last
