@@ -18,7 +18,7 @@ const TOUCHES: f64 = 1e-11;
 /// A plane part of a piece's boundary.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cap {
-    /// Its rims, as the piece's [`Piece::rims`] counts them: the outer one, then its holes.
+    /// Its rims, as the piece's `Piece::rims` counts them: the outer one, then its holes.
     pub rims: Vec<usize>,
     /// m².
     pub area_m2: f64,

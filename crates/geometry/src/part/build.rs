@@ -67,8 +67,8 @@ impl Part {
     }
 }
 
-/// The part, or the faces that are none and why.
-#[expect(clippy::type_complexity)]
+/// The part, or the faces that are none and why. The outer error is that of faces, without which there may be a part; the inner
+/// one is of what no part can be without.
 fn problems(brep: &Brep) -> Result<Result<Part, PartError>, Vec<(usize, PartError)>> {
     if brep.faces.is_empty() {
         return Ok(Err(PartError::Empty));

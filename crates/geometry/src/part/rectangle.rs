@@ -57,8 +57,8 @@ impl Carrier {
     /// # Errors
     /// Coordinates out of the range of lengths, an empty rectangle.
     pub(crate) fn patch(&self, [u, v]: [[f64; 2]; 2]) -> Result<Surface, SurfaceError> {
-        // (radius, height) of the meridian at a place of v.
-        let (across, axes, meridian): (Axis, _, Box<dyn Fn(f64, f64) -> [f64; 2]>) = match self {
+        type Meridian<'a> = Box<dyn Fn(f64, f64) -> [f64; 2] + 'a>; // (radius, height) at v
+        let (across, axes, meridian): (Axis, _, Meridian<'_>) = match self {
             Self::Spline(surface) => return Ok((**surface).clone()),
             Self::Plane(axes) => (Axis::line(v), axes, Box::new(|_, _| [0.0; 2])),
             Self::Cylinder { axes, radius_m } => {

@@ -112,7 +112,7 @@ fn fitted(surface: &Surface, by_m: f64) -> Option<(Surface, f64)> {
         let grid = SampleGrid::from_blendings(Blending::new(u, &us), Blending::new(v, &vs));
         GridFit::new(&grid).fit_into(&points, &mut net);
         let fit = Surface::new(u.clone(), v.clone(), net, None).ok()?;
-        let off_m = apart(&fit, &basis, &at)?;
+        let off_m = apart(&fit, &basis, at)?;
         let converges = best.as_ref().is_none_or(|(_, before_m)| off_m < *before_m);
         if converges {
             best = Some((fit, off_m));
@@ -128,7 +128,7 @@ fn fitted(surface: &Surface, by_m: f64) -> Option<(Surface, f64)> {
 /// The knots of an interpolant: each span in equal parts, one derivative less than the surface has at its own knots.
 fn divided(knots: &KnotVector, parts: usize) -> Option<KnotVector> {
     let from = knots.degree();
-    let degree = from.max(DEGREE).min(MAX_DEGREE);
+    let degree = from.clamp(DEGREE, MAX_DEGREE);
     let (low, high) = knots.domain();
     let mut all = vec![low; degree + 1];
     let t = knots.knots();
