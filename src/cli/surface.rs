@@ -193,15 +193,23 @@ impl SurfaceArg {
         Ok((self.loaded(imported)?, trim))
     }
 
-    /// The one face of a STEP file that trims it.
+    /// The one face of a STEP file, where it is not the whole surface.
     fn step_patch(&self, imported: &Imported) -> anyhow::Result<Option<(Surface, Trim)>> {
-        if !self.is_step() || !imported.left_out.trimmed || imported.count > 1 {
+        if !self.is_step() || imported.count > 1 {
             return Ok(None);
         }
         let bytes = std::fs::read(&self.file).with_context(|| self.named())?;
-        let read = read_part(&bytes, &PartPick::default()).with_context(|| self.named())?;
-        let part = Part::new(&read.brep).with_context(|| self.named())?;
-        (part.as_patch().transpose()).with_context(|| self.named())
+        let part = read_part(&bytes, &PartPick::default())
+            .map_err(anyhow::Error::from)
+            .and_then(|read| Ok(Part::new(&read.brep)?))
+            .with_context(|| self.named());
+        let part = match part {
+            // What is no part may be a surface that has no face.
+            Err(_) if !imported.left_out.trimmed => return Ok(None),
+            part => part?,
+        };
+        let patch = (part.as_patch().transpose()).with_context(|| self.named())?;
+        Ok(patch.filter(|(surface, trim)| !is_whole(surface, trim)))
     }
 
     fn builtin_name(&self) -> Option<&str> {
@@ -305,4 +313,17 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         Command::Cut(args) => cut::run(args),
         Command::Branch(args) => branch::run(args),
     }
+}
+
+/// One loop along the ends of a surface.
+fn is_whole(surface: &Surface, trim: &Trim) -> bool {
+    let ends = [surface.knots_u(), surface.knots_v()].map(|knots| knots.domain());
+    let at_end = |[a, b]: [&[f64; 2]; 2]| {
+        (0..2).any(|k| a[k] == b[k] && (a[k] == ends[k].0 || a[k] == ends[k].1))
+    };
+    let along_ends = |only: &Vec<[f64; 2]>| {
+        let next = only.iter().cycle().skip(1);
+        only.iter().zip(next).all(|(a, b)| at_end([a, b]))
+    };
+    matches!(trim.loops(), [only] if along_ends(only))
 }

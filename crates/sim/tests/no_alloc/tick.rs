@@ -105,15 +105,14 @@ fn a_tick_of_a_jelly_and_a_free_part_on_a_part_allocates_nothing() {
              [[tool]]\nid = \"ball\"\npose = {{ position = [0.2, 0.0, 0.0] }}\n",
             part("lower", "")
         ));
+        let mut touched = 0;
         let count = allocations(|| {
             for _ in 0..300 {
                 world.silent_in_place();
+                touched += u32::from(world.scratch.contact_force_on(1).z > 0.0);
             }
         });
-        assert!(
-            world.scratch.contact_force_on(1).z > 0.0,
-            "nothing lies on it"
-        );
+        assert!(touched > 30, "in touch for {touched} ticks");
         assert_eq!(count, 0, "{}", &upon[..24]);
     }
 }
