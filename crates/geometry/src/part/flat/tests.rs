@@ -4,6 +4,8 @@ use crate::basis::KnotVector;
 use crate::exchange::step::{PartPick, read_part};
 use crate::math::Point3;
 
+/// Parts of a span, each with a rule of its own.
+const PARTS: u32 = 4;
 /// Places and weights of Gauss's rule on [0, 1].
 const GAUSS: [(f64, f64); 8] = [
     (0.019_855_071_751_231_9, 0.050_614_268_145_188_1),
@@ -34,8 +36,11 @@ fn beside(surface: &Surface, [u, v]: [f64; 2]) -> f64 {
     let t = knots.knots();
     let mut sum = 0.0;
     for span in knots.spans() {
-        let (a, b) = (t[span], t[span + 1].min(u));
-        if b > a {
+        let end = t[span + 1].min(u);
+        let step = (end - t[span]) / f64::from(PARTS);
+        for k in (0..PARTS).filter(|_| step > 0.0) {
+            let a = t[span] + step * f64::from(k);
+            let b = a + step;
             sum += GAUSS.iter().fold(0.0, |sum, (x, w)| {
                 let frame = surface.frame(a + (b - a) * x, v);
                 sum + w * (b - a) * frame.du.cross(&frame.dv).norm()
@@ -74,9 +79,9 @@ fn area_within(surface: &Surface, pieces: &[FlatPiece]) -> f64 {
     for piece in pieces {
         for points in piece.picture.points.windows(4).step_by(3) {
             for part in crossings(surface, points).windows(2) {
-                for (x, w) in GAUSS {
-                    let length = part[1] - part[0];
-                    let (uv, slope) = cubic(points, part[0] + length * x);
+                let length = (part[1] - part[0]) / f64::from(PARTS);
+                for (k, (x, w)) in (0..PARTS).flat_map(|k| GAUSS.map(|at| (k, at))) {
+                    let (uv, slope) = cubic(points, part[0] + length * (f64::from(k) + x));
                     sum += w * length * slope[1] * beside(surface, uv);
                 }
             }
