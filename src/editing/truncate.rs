@@ -24,8 +24,8 @@ pub(super) fn truncate(
     }
     let names = [a, b].map(|body| scene.body_id(body));
     let spec = TruncateSpec { tolerance_m };
-    let told = |e| format!("{e}; body 0 is {:?}, body 1 {:?}", names[0], names[1]);
-    let Some(two) = modelled(of_a, of_b, &spec).map_err(told)? else {
+    let named = |e| format!("{e}; body 0 is {:?}, body 1 {:?}", names[0], names[1]);
+    let Some(two) = modelled(of_a, of_b, &spec).map_err(named)? else {
         return Ok(Edited {
             change: None,
             what: String::new(),

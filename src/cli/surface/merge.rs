@@ -575,7 +575,7 @@ mod tests {
         assert_eq!(json["hidden"], "lines");
         let shares = [0, 1].map(|k| json["readings"][k]["lost_share"].as_f64().unwrap());
         assert!(shares[0] > 0.05 && shares[1] == 0.0, "{shares:?}");
-        // Whoever needs the whole surface is told.
+        // A command that needs the whole surface refuses it.
         let refused = SurfaceArg::at(&path("b.json"), 0).load().err().unwrap();
         assert!(format!("{refused:#}").contains("trimming"), "{refused:#}");
     }

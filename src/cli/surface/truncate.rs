@@ -45,7 +45,10 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         tolerance_m: args.tolerance.map(|length| length / a.per_metre),
     };
     let start = Instant::now();
-    let Some(two) = truncate(&a.surface, &b.surface, &spec)? else {
+    let [first, second] = [0, 1].map(|k| args.bodies[k].display());
+    let two = truncate(&a.surface, &b.surface, &spec)
+        .map_err(|e| anyhow::anyhow!("{e}; body 0 is {first}, body 1 {second}"))?;
+    let Some(two) = two else {
         if args.json {
             println!("{}", serde_json::json!({ "overlap": 0.0, "unit": a.unit }));
         }

@@ -19,12 +19,13 @@
 
 use super::exact::{self, ExactScratch};
 use super::features::FeatureSearch;
-use super::implicit::{ImplicitSolver, ImplicitTool};
+use super::implicit::ImplicitSolver;
 use super::mesh::{MeshSolver, MeshTool};
 use super::own::SelfSolver;
 use super::pair::{PairSide, PairSolver};
 use super::part::{self, PartScratch, PartSide, PartSolid};
-use super::spheres::{Counters, Solid, Spheres, SpheresPair};
+use super::placed::{Placed, PlacedSurface, TwoSpheres};
+use super::spheres::{Counters, Spheres};
 use super::{Contact, ContactSet, Reach, ToolShape};
 use crate::math::{Point3, Pose, Vector3};
 use crate::skin::{Skin, SkinSolver};
@@ -180,7 +181,7 @@ fn without_inside(party: Party<'_>, method: Method) -> UnsupportedPair {
     UnsupportedPair {
         party: party.name(),
         method: method.name(),
-        why: "one of them is a part without an inside, which only points, spheres, planes and tools of other solids touch",
+        why: "one of them is a part without an inside, and surfaces and other parts touch only closed ones",
         help: "close its shell, fit a surface to it (palpate surface fit), or exclude the pair with method = \"none\"",
     }
 }
@@ -577,102 +578,6 @@ fn made_for_another(shape: &ToolShape) {
     debug_assert!(false, "this pair was not made for a {}", shape.name());
 }
 
-#[derive(Debug)]
-struct TwoSpheres {
-    body: Spheres,
-    other: Spheres,
-    pair: SpheresPair,
-}
-
-impl TwoSpheres {
-    fn new(body: &Surface, other: &Surface, rows: [usize; 2]) -> Self {
-        let (body, other) = (Spheres::new(body, rows), Spheres::new(other, rows));
-        let pair = SpheresPair::new(&body, &other);
-        Self { body, other, pair }
-    }
-}
-
-/// A solid tool at a pose, as the `spheres` method sees it.
-struct Placed<'a, T> {
-    tool: &'a T,
-    pose: &'a Pose,
-    bounds: Option<(Point3, Point3)>,
-}
-
-impl<'a, T> Placed<'a, T> {
-    fn new(tool: &'a T, shape: &ToolShape, pose: &'a Pose) -> Self {
-        let bounds = shape.bounds(pose);
-        Self { tool, pose, bounds }
-    }
-
-    fn may_meet(&self, low: &Point3, high: &Point3, margin_m: f64) -> bool {
-        self.bounds.is_none_or(|(from, to)| {
-            (0..3).all(|c| low[c] <= to[c] + margin_m && high[c] >= from[c] - margin_m)
-        })
-    }
-}
-
-// The normals of tools point towards their matter, those of solids out of it.
-impl Solid for Placed<'_, ImplicitTool> {
-    fn signed_gap(&self, point: &Point3) -> (f64, Vector3) {
-        let seen = self.tool.signed_gap(self.pose, point);
-        let (gap_m, inwards) = seen.unwrap_or((f64::INFINITY, Vector3::z()));
-        (gap_m, -inwards)
-    }
-
-    fn may_meet_box(&self, low: &Point3, high: &Point3, margin_m: f64) -> bool {
-        self.may_meet(low, high, margin_m)
-    }
-}
-
-impl Solid for Placed<'_, MeshTool> {
-    fn signed_gap(&self, point: &Point3) -> (f64, Vector3) {
-        let (gap_m, inwards) = self.tool.signed_gap(self.pose, point);
-        (gap_m, -inwards)
-    }
-
-    fn bounded_gap(&self, point: &Point3) -> Option<f64> {
-        Some(self.tool.signed_gap(self.pose, point).0)
-    }
-
-    fn may_meet_box(&self, low: &Point3, high: &Point3, margin_m: f64) -> bool {
-        self.may_meet(low, high, margin_m)
-    }
-}
-
-/// A rigid surface where its tool stands.
-#[derive(Debug)]
-struct PlacedSurface {
-    skin: Skin,
-    solver: SkinSolver,
-}
-
-impl PlacedSurface {
-    fn new(at_rest: &Surface) -> Self {
-        let skin = Skin::from(at_rest.clone());
-        Self {
-            solver: SkinSolver::new(&skin),
-            skin,
-        }
-    }
-
-    fn place(&mut self, at_rest: &Surface, pose: &Pose) {
-        let now = self
-            .skin
-            .surface_mut()
-            .map(|now| now.net_mut().points_mut());
-        for (now, rest) in now.into_iter().flatten().zip(at_rest.net().points()) {
-            *now = pose * rest;
-        }
-        self.solver.net_changed();
-    }
-
-    fn side(&mut self) -> Option<PairSide<'_>> {
-        let Self { skin, solver } = self;
-        SkinSide { skin, solver }.surface()
-    }
-}
-
 /// What a point of a body sees of the other surface, which touches it at these contacts.
 ///
 /// A point inside a convex solid lies beyond the tangent plane at the solid's deepest point: that
@@ -697,77 +602,4 @@ pub fn look_at(
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::contact::SurfaceShape;
-    use crate::contact::implicit::ImplicitShape;
-    use crate::surface::builtin;
-
-    const METHODS: [Method; 2] = [Method::Exact, Method::Spheres([20, 20])];
-
-    /// A ball tool as each shape, the sheet z = 0 as the body: what touches is found by every query
-    /// of the table.
-    #[test]
-    fn every_tool_shape_touches_by_both_methods() {
-        let sheet = Skin::from(builtin("sheet", Some([7, 7]), Some(0.1)).unwrap());
-        let radius_m = 0.01;
-        let implicit = ImplicitShape::Sphere { radius_m };
-        let globe = builtin("sphere", None, Some(2.0 * radius_m)).unwrap();
-        let parameters = |k: i32| (f64::from(k % 50) / 50.0, f64::from(k / 50) / 50.0);
-        let heights = (0..2500).map(parameters).map(|(u, v)| globe.point(u, v).z);
-        let globe_low_m = -heights.fold(0.0, f64::min);
-        let shapes = [
-            ToolShape::Sphere { radius_m },
-            ToolShape::Plane {
-                normal: -Vector3::z(),
-            },
-            ToolShape::Implicit {
-                tool: Box::new(implicit.compile().unwrap()),
-                reach_m: Some(radius_m),
-            },
-            ToolShape::Surface(Box::new(SurfaceShape::new(globe))),
-        ];
-        for shape in shapes {
-            let low_m = match &shape {
-                ToolShape::Plane { .. } => 0.0,
-                ToolShape::Surface(_) => globe_low_m,
-                _ => radius_m,
-            };
-            let pose = Pose::translation(0.003, 0.001, low_m - 1e-3);
-            for method in METHODS {
-                let mut narrow = Narrow::new((&sheet).into(), Party::Tool(&shape), method).unwrap();
-                let body = SkinSide {
-                    skin: &sheet,
-                    solver: &mut SkinSolver::new(&sheet),
-                };
-                let reach = Reach {
-                    margin_m: 1e-4,
-                    below: false,
-                    closing_m: 0.0,
-                };
-                narrow.contacts(&shape, &pose, body, reach);
-                let depth = narrow.set.deepest().map(|contact| contact.depth_m);
-                assert!(
-                    depth.is_some_and(|depth| (depth - 1e-3).abs() < 3e-4),
-                    "{} {method:?}: {depth:?}",
-                    shape.name()
-                );
-                assert_eq!(
-                    narrow.counters().is_some(),
-                    method != Method::Exact,
-                    "{}",
-                    shape.name()
-                );
-            }
-        }
-    }
-
-    #[test]
-    fn a_body_against_itself_on_points_is_refused_by_name() {
-        let sheet = Skin::from(builtin("sheet", None, None).unwrap());
-        let refused = Narrow::new((&sheet).into(), Party::Itself, METHODS[1]).unwrap_err();
-        assert_eq!((refused.party, refused.method), ("itself", "spheres"));
-        assert!(refused.to_string().contains("use method = \"exact\""));
-        assert!(Narrow::new((&sheet).into(), Party::Itself, METHODS[0]).is_ok());
-    }
-}
+mod tests;

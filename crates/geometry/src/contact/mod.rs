@@ -25,6 +25,7 @@ pub mod mesh;
 pub mod own;
 pub mod pair;
 pub mod part;
+mod placed;
 mod samples;
 mod set;
 mod shape;

@@ -338,7 +338,7 @@ fn kind(points: &[f64], degree: [usize; 2]) -> Kind {
         }
     }
     let most = slopes.map(|[low, high]| low.abs().max(high.abs()));
-    // Where the field hardly changes in a direction, halves of it are no better.
+    // Halving pays only along a direction in which the field changes.
     let halve = [0, 1].map(|d| most[d] > STEEP * most[1 - d]);
     let sides = changes_once((0..=p).map(|i| at(i, 0)))
         && changes_once((0..=p).map(|i| at(i, q)))

@@ -15,7 +15,7 @@ use std::ops::AddAssign;
 
 /// Points of the rule on a whole span, on halves, and on what is smaller.
 const POINTS: [usize; 3] = [16, 14, 14];
-/// The same on a rational surface.
+/// As [`POINTS`], for a rational surface.
 const RATIONAL_POINTS: [usize; 3] = [24, 20, 16];
 
 /// Integrals over a part of the surface, about a point x₀ of the plane; N = S_u × S_v.

@@ -101,9 +101,9 @@ pub enum CutError {
          the plane: move or tilt the plane by a millionth of the size"
     )]
     Unclear {
-        /// Parameter.
+        /// Parameter of the surface.
         u: f64,
-        /// Parameter.
+        /// Parameter of the surface.
         v: f64,
     },
     /// A rim within no other: the surface passes through itself.

@@ -9,9 +9,9 @@ use crate::surface::{Mesh, SurfaceError};
 pub enum Origin {
     /// A place of the surface, on a rim or within the skin: it goes where (u, v) goes.
     Skin {
-        /// Parameter.
+        /// Parameter of the surface that was cut.
         u: f64,
-        /// Parameter.
+        /// Parameter of the surface that was cut.
         v: f64,
     },
     /// Within a cap: a place of the plane, which goes with the matter.

@@ -72,7 +72,7 @@ pub(super) fn between(points: &[Homogeneous], [a, b]: [f64; 2]) -> Vec<Homogeneo
     }
 }
 
-/// The same segment in a higher degree.
+/// Control points of the same segment with its degree raised to `degree`.
 pub(crate) fn elevated(points: &[Homogeneous], degree: usize) -> Vec<Homogeneous> {
     let mut points = points.to_vec();
     while points.len() <= degree {

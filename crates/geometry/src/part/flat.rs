@@ -5,6 +5,9 @@
 //!                                                                                      edges, seams ── projected ──▶ pictures
 //! ```
 
+mod walk;
+
+use self::walk::{Span, Walk, crosses};
 use super::bezier::Homogeneous;
 use super::carrier::Carrier;
 use super::chart::{lifted, wrap};
@@ -64,62 +67,6 @@ pub enum FlatProblem {
     /// Coordinates beyond all lengths.
     #[error(transparent)]
     Surface(#[from] SurfaceError),
-}
-
-/// A stretch of an edge as a loop walks it: places count segments from the start of the edge.
-#[derive(Clone, Copy, Debug)]
-struct Span {
-    edge: u32,
-    from: f64,
-    to: f64,
-}
-
-/// A loop with the places it passes, lifted.
-#[derive(Clone, Debug)]
-struct Walk {
-    spans: Vec<Span>,
-    /// Place on a span (index, place) and parameters; the last one is the first one, gone round.
-    places: Vec<((usize, f64), [f64; 2])>,
-}
-
-impl Walk {
-    fn turns(&self, periods: [f64; 2]) -> [i32; 2] {
-        let (first, last) = (self.places[0].1, self.places[self.places.len() - 1].1);
-        std::array::from_fn(|k| match periods[k] {
-            0.0 => 0,
-            period => ((last[k] - first[k]) / period).round() as i32,
-        })
-    }
-
-    fn range(&self, k: usize) -> [f64; 2] {
-        let all = self.places.iter().map(|(_, uv)| uv[k]);
-        all.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| {
-            [a.min(x), b.max(x)]
-        })
-    }
-
-    fn shift(&mut self, k: usize, by: f64) {
-        self.places.iter_mut().for_each(|(_, uv)| uv[k] += by);
-    }
-
-    /// How often it crosses a line or a copy of it.
-    fn crossings(&self, k: usize, line: f64, period: f64) -> usize {
-        let turn = |x: f64| ((x - line) / period).floor();
-        let pairs = self.places.windows(2);
-        let turns = pairs.map(|pair| (turn(pair[1].1[k]) - turn(pair[0].1[k])).abs());
-        turns.sum::<f64>() as usize
-    }
-
-    /// Twice the area within, positive if it is on the left.
-    fn area(&self) -> f64 {
-        let pairs = self.places.windows(2);
-        pairs
-            .map(|pair| {
-                let ([a, b], [c, d]) = (pair[0].1, pair[1].1);
-                a * d - c * b
-            })
-            .sum()
-    }
 }
 
 struct Flattening<'a> {
@@ -647,13 +594,6 @@ fn bridged(patch: &Surface, pieces: Vec<FlatPiece>) -> Vec<FlatPiece> {
         }
     }
     out
-}
-
-/// A range that goes over a line, or a copy of it.
-fn crosses([low, high]: [f64; 2], line: f64, period: f64) -> bool {
-    let slack = 1e-6 * period;
-    let line = lifted(line, 0.5 * (low + high), period);
-    line > low - slack && line < high + slack
 }
 
 fn placed(curve: &EdgeCurve, place: f64) -> (usize, f64) {

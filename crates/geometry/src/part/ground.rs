@@ -180,6 +180,13 @@ impl EdgeGround<'_> {
     }
 }
 
+/// An edge, or a vertex that no edge reaches.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Wire {
+    Edge(u32),
+    Vertex(u32),
+}
+
 /// Where edges meet, or an apex.
 #[derive(Clone, Debug)]
 pub(crate) struct CornerGround {
@@ -187,7 +194,7 @@ pub(crate) struct CornerGround {
     pub point: Point3,
     /// As a place of the part.
     pub place: [f64; 2],
-    /// From it to points close by on what meets there, m.
+    /// From it to points close by, on the faces and edges that end there, m.
     pub beside: Vec<Vector3>,
 }
 
@@ -196,14 +203,40 @@ impl Part {
         FaceGround { part: self, face }
     }
 
+    /// Looks at faces whose boxes (least and greatest corner, m), and those around them, pass.
+    pub(crate) fn passing_faces(
+        &self,
+        passes: impl Fn(&Point3, &Point3) -> bool,
+        look: impl FnMut(u32),
+    ) {
+        self.skin.passing(|(low, high)| passes(low, high), look);
+    }
+
+    /// As [`Part::passing_faces`], of edges and of vertices that no edge reaches.
+    pub(crate) fn passing_wires(
+        &self,
+        passes: impl Fn(&Point3, &Point3) -> bool,
+        mut look: impl FnMut(Wire),
+    ) {
+        let edges = self.edges.len();
+        self.wires.passing(
+            |(low, high)| passes(low, high),
+            |item| {
+                look(match self.edges.get(item as usize) {
+                    Some(_) => Wire::Edge(item),
+                    None => Wire::Vertex(self.lone[item as usize - edges]),
+                });
+            },
+        );
+    }
+
     pub(crate) fn edge_ground(&self, edge: u32) -> EdgeGround<'_> {
         EdgeGround { part: self, edge }
     }
 
-    /// Edges between faces, or at the rim of one; without seams.
-    pub(crate) fn edges(&self) -> impl Iterator<Item = u32> + '_ {
-        let edges = (0..).zip(&self.edges);
-        edges.filter_map(|(k, edge)| (!edge.sides.is_empty()).then_some(k))
+    /// By edge, whether it lies between faces, or at the rim of one: seams do not.
+    pub(crate) fn edges(&self) -> impl Iterator<Item = bool> + '_ {
+        self.edges.iter().map(|edge| !edge.sides.is_empty())
     }
 
     /// Its corners, of several at one place one; and by vertex which of them it is.

@@ -41,7 +41,7 @@ pub use curve::CurveProblem;
 pub(crate) use curve::{chain_between, chain_of};
 pub use flat::FlatProblem;
 pub use foot::{PartFoot, Support};
-pub(crate) use ground::{CornerGround, EdgeGround, FaceGround};
+pub(crate) use ground::{CornerGround, EdgeGround, FaceGround, Wire};
 pub use measure::{PartMeasure, PartMoments};
 pub(crate) use minima::{Mark, PartMinima};
 pub use part::{FaceInfo, Part, PartError};

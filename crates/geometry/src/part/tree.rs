@@ -102,6 +102,12 @@ impl Tree {
         self.least(height, ceiling, look);
     }
 
+    /// Looks at items whose boxes, and those around them, pass.
+    pub fn passing(&self, passes: impl Fn(&Corners) -> bool, mut look: impl FnMut(u32)) {
+        let of = |corners: &Corners| if passes(corners) { 0.0 } else { 1.0 };
+        self.least(of, &mut 1.0, |item, _| look(item));
+    }
+
     /// Looks at items, least ones first, whose boxes have less than the ceiling.
     fn least(
         &self,

@@ -32,7 +32,7 @@ pub enum TruncateError {
         /// m.
         at: [f64; 3],
     },
-    /// A tolerance that is no length.
+    /// A tolerance that is not a length above 0.
     #[error("the tolerance is {0} m; it must be a length above 0, or be left out")]
     Tolerance(f64),
     /// One body is inside the other.

@@ -68,7 +68,7 @@ pub struct WallPiece {
 pub struct Truncated {
     /// A′ and B′ as boundaries: faces on the given surfaces, then the pieces of the wall; m.
     pub breps: [Brep; 2],
-    /// The same as parts.
+    /// What the boundaries make: A′ and B′ as parts.
     pub parts: [Part; 2],
     /// Pieces of the wall.
     pub walls: Vec<WallPiece>,

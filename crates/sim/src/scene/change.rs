@@ -33,6 +33,21 @@ pub enum Origin {
     New,
 }
 
+impl Origin {
+    /// It stays where it is.
+    fn kept(from: usize) -> Self {
+        Self::Kept {
+            from,
+            moved: Vector3::zeros(),
+        }
+    }
+}
+
+/// Every body stays where it is.
+fn all_kept(spec: &SceneSpec) -> Vec<Origin> {
+    (0..spec.bodies.len()).map(Origin::kept).collect()
+}
+
 /// The next scene, and where its bodies come from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneChange {
@@ -49,12 +64,7 @@ impl SceneChange {
     /// The scene's own surfaces do not build any more.
     pub fn moved(scene: &Scene, moves: &[(usize, Vector3)]) -> Result<Self, SceneError> {
         let mut spec = pinned(scene)?;
-        let mut origins: Vec<Origin> = (0..spec.bodies.len())
-            .map(|from| Origin::Kept {
-                from,
-                moved: Vector3::zeros(),
-            })
-            .collect();
+        let mut origins = all_kept(&spec);
         for &(body, by) in moves {
             let position = &mut spec.bodies[body].pose.position;
             *position = (Vector3::from(*position) + by).into();
@@ -116,10 +126,7 @@ impl SceneChange {
                 origins.push(Origin::New);
             } else if !is_part(from) {
                 bodies.push(old.clone());
-                origins.push(Origin::Kept {
-                    from,
-                    moved: Vector3::zeros(),
-                });
+                origins.push(Origin::kept(from));
             }
         }
         let names: Vec<&str> = parts
@@ -166,12 +173,7 @@ impl SceneChange {
     /// Bodies that may not become parts.
     pub fn truncated(scene: &Scene, parts: [(usize, String); 2]) -> Result<Self, SceneError> {
         let mut spec = pinned(scene)?;
-        let mut origins: Vec<Origin> = (0..spec.bodies.len())
-            .map(|from| Origin::Kept {
-                from,
-                moved: Vector3::zeros(),
-            })
-            .collect();
+        let mut origins = all_kept(&spec);
         for (index, text) in parts {
             Self::check_part(scene, index)?;
             let body = &mut spec.bodies[index];

@@ -6,6 +6,7 @@
 //! golden sections within golden sections finish: the greatest value along one parameter, as a
 //! function of the other, has one maximum too, however sharp a ridge runs through both.
 
+use super::golden::greatest;
 use crate::surface::{Closing, Surface, Topology};
 use nalgebra::{Matrix2, Vector2};
 
@@ -336,24 +337,9 @@ fn uphill(g: &Vector2<f64>, bend: &Matrix2<f64>, level: f64) -> (Vector2<f64>, b
     (way, true)
 }
 
-/// The place and value of the greatest value on [−1, 1], by golden section.
+/// The place and value of the greatest value on [−1, 1].
 fn section(value: impl Fn(f64) -> f64) -> (f64, f64) {
-    const GOLDEN: f64 = 0.618_033_988_749_894_8;
-    let (mut low, mut high) = (-1.0, 1.0);
-    let (mut a, mut b) = (1.0 - 2.0 * GOLDEN, 2.0 * GOLDEN - 1.0);
-    let (mut at_a, mut at_b) = (value(a), value(b));
-    for _ in 0..SECTIONS {
-        if at_a > at_b {
-            (high, b, at_b) = (b, a, at_a);
-            a = high - GOLDEN * (high - low);
-            at_a = value(a);
-        } else {
-            (low, a, at_a) = (a, b, at_b);
-            b = low + GOLDEN * (high - low);
-            at_b = value(b);
-        }
-    }
-    if at_a > at_b { (a, at_a) } else { (b, at_b) }
+    greatest(-1.0, 1.0, SECTIONS, value)
 }
 
 /// Places between two others at which a ridge is looked at, twelfths, far ones first.

@@ -8,11 +8,13 @@
 //! of a Bézier piece from the next.
 
 mod climb;
+mod golden;
 mod part;
 mod skin;
 mod tops;
 
 use self::climb::Map;
+use self::golden::greatest;
 pub(super) use self::skin::SkinDepths;
 use self::tops::{Ground, Tops};
 
@@ -294,31 +296,12 @@ impl DepthSearch {
         to: [f64; 2],
         depth: &impl Fn([f64; 2]) -> f64,
     ) -> ([f64; 2], f64) {
-        const GOLDEN: f64 = 0.618_033_988_749_894_8;
         let way = self.tops.map.way(from, to);
         let at = |t: f64| {
-            self.tops
-                .map
-                .turn([from[0] + t * way[0], from[1] + t * way[1]])
+            let place = [from[0] + t * way[0], from[1] + t * way[1]];
+            self.tops.map.turn(place)
         };
-        let (mut low, mut high) = (0.0, 1.0);
-        let (mut a, mut b) = (1.0 - GOLDEN, GOLDEN);
-        let (mut at_a, mut at_b) = (depth(at(a)), depth(at(b)));
-        for _ in 0..SECTIONS {
-            if at_a > at_b {
-                (high, b, at_b) = (b, a, at_a);
-                a = high - GOLDEN * (high - low);
-                at_a = depth(at(a));
-            } else {
-                (low, a, at_a) = (a, b, at_b);
-                b = low + GOLDEN * (high - low);
-                at_b = depth(at(b));
-            }
-        }
-        if at_a > at_b {
-            (at(a), at_a)
-        } else {
-            (at(b), at_b)
-        }
+        let (t, deep) = greatest(0.0, 1.0, SECTIONS, |t| depth(at(t)));
+        (at(t), deep)
     }
 }

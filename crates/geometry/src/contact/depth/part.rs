@@ -2,20 +2,23 @@
 //! surfaces, along edges and at corners where no face beside them leads on deeper.
 
 use super::climb::Map;
+use super::golden::greatest;
 use super::{DepthField, Ground, Tops};
 use crate::contact::{ContactSet, ToolPoint};
 use crate::math::{Point3, Pose, Vector3};
-use crate::part::{CornerGround, EdgeGround, FaceGround, Part};
+use crate::part::{CornerGround, EdgeGround, FaceGround, Part, Wire};
 use crate::skin::PlacedPart;
+use std::ops::Range;
 
 /// Looks into a cell for a place that belongs to its face, in each direction.
 const LOOKS: usize = 3;
-/// Of a cell's radius: what is bent between its looks.
+/// Of a cell's radius: how far the face between its looks may be outside.
 const BENT: f64 = 0.15;
 /// Cells that steps of climbs are measured with.
 const SPAN: f64 = 4.0;
-/// Places of a segment of an edge.
+/// Places of a segment of an edge, and how many of them have one ball around them.
 const PLACES: usize = 12;
+const STRETCH: usize = 8;
 /// Fixed places of a round edge.
 const ROUND: usize = 8;
 /// Steps of golden section along an edge: 0.62⁴⁰ of the way between three places is 4e-9 of it, which counts squared.
@@ -31,6 +34,9 @@ const SAME: f64 = 1e-9;
 const ONE_PLACE: f64 = 1e-6;
 /// Tops that are held.
 const MOST: usize = 128;
+
+/// Around something, in the part's frame: centre and radius, m.
+type Ball = (Point3, f64);
 
 /// A place where the part is deepest.
 #[derive(Clone, Copy, Debug)]
@@ -48,37 +54,49 @@ pub(in crate::contact) struct PartTop {
 struct FaceCells {
     map: Map,
     spacing_m: f64,
-    cells: [usize; 2],
-    first: usize,
-    /// Around all of it, m.
-    ball: (Point3, f64),
+    count: [usize; 2],
+    cells: Vec<Cell>,
 }
 
 #[derive(Clone, Debug)]
 struct Cell {
-    /// A place in it that belongs to the face.
-    at: Option<[f64; 2]>,
-    /// Around it, m.
-    ball: (Point3, f64),
+    /// A place in it that belongs to the face, and the point there, m.
+    at: Option<([f64; 2], Point3)>,
+    ball: Ball,
 }
 
+/// An edge in places.
 #[derive(Clone, Debug)]
 struct EdgePlaces {
-    edge: u32,
-    count: usize,
-    /// Corners at its ends.
+    /// Of all edges' places.
+    places: Range<usize>,
+    /// The longest way from one place to the next, m.
+    step_m: f64,
+    /// Corners at its ends; none of an edge that comes back.
     ends: [Option<u32>; 2],
-    /// Around it, m.
-    ball: (Point3, f64),
+}
+
+/// What is known of a part before any search.
+#[derive(Clone, Debug)]
+struct Plan {
+    faces: Vec<FaceCells>,
+    /// By edge of the part; seams are none.
+    edges: Vec<Option<EdgePlaces>>,
+    /// Of all edges, m, and around each stretch of them.
+    places: Vec<Point3>,
+    stretches: Vec<Ball>,
+    corners: Vec<CornerGround>,
+    /// By vertex of the part.
+    of_vertex: Vec<Option<u32>>,
 }
 
 /// Scratch against one part, sized once. Nothing in it outlives a query.
 #[derive(Clone, Debug)]
 pub(in crate::contact) struct PartDepths {
-    faces: Vec<FaceCells>,
-    cells: Vec<Cell>,
-    edges: Vec<EdgePlaces>,
-    corners: Vec<CornerGround>,
+    plan: Plan,
+    /// What the solid may reach.
+    faces: Vec<u32>,
+    wires: Vec<Wire>,
     /// (corners): it was looked at.
     seen: Vec<bool>,
     /// (most cells of a face, or places of an edge): rough depth, m.
@@ -87,20 +105,28 @@ pub(in crate::contact) struct PartDepths {
     found: Vec<PartTop>,
 }
 
+/// What is searched for: where a part that stands somewhere is in a solid, or within a margin, m, of it.
+struct Aim<'a, F> {
+    placed: &'a PlacedPart,
+    field: &'a F,
+    margin_m: f64,
+    /// Something of the solid is known to be in touch.
+    touched: bool,
+}
+
 /// A face where the part stands.
-struct Placed<'a> {
+struct PlacedFace<'a> {
     face: FaceGround<'a>,
     pose: &'a Pose,
 }
 
-impl Ground for Placed<'_> {
+impl Ground for PlacedFace<'_> {
     fn point(&self, at: [f64; 2]) -> Point3 {
         self.pose * self.face.point(at)
     }
 }
 
-/// A ball around points, m.
-fn ball(points: impl Iterator<Item = Point3> + Clone, grow: f64) -> (Point3, f64) {
+fn ball(points: impl Iterator<Item = Point3> + Clone, grow: f64) -> Ball {
     let far = Point3::from(Vector3::repeat(f64::INFINITY));
     let (low, high) = points
         .clone()
@@ -111,38 +137,32 @@ fn ball(points: impl Iterator<Item = Point3> + Clone, grow: f64) -> (Point3, f64
 }
 
 impl FaceCells {
-    fn new(ground: &FaceGround<'_>, cells: &mut Vec<Cell>) -> Self {
+    fn new(ground: &FaceGround<'_>) -> Self {
         let [u, v] = ground.range();
         let count = ground.cells();
         let width = [
             (u[1] - u[0]) / count[0] as f64,
             (v[1] - v[0]) / count[1] as f64,
         ];
-        let first = cells.len();
-        for i in 0..count[0] {
-            for j in 0..count[1] {
-                let at = |a: f64, b: f64| {
-                    [
-                        u[0] + (i as f64 + a) * width[0],
-                        v[0] + (j as f64 + b) * width[1],
-                    ]
-                };
-                let look = |k: usize| (k as f64 + 0.5) / LOOKS as f64;
-                // The middle comes first.
-                let looks = (0..LOOKS * LOOKS)
-                    .map(|k| (k + LOOKS * LOOKS / 2) % (LOOKS * LOOKS))
-                    .map(|k| at(look(k / LOOKS), look(k % LOOKS)));
-                let ends = (0..LOOKS * LOOKS)
-                    .map(|k| at((k / LOOKS) as f64 / 2.0, (k % LOOKS) as f64 / 2.0));
-                cells.push(Cell {
-                    at: looks.clone().find(|uv| ground.has(*uv)),
-                    ball: ball(ends.map(|uv| ground.point(uv)), BENT),
-                });
+        let cell = |k: usize| {
+            let corner = [
+                u[0] + (k / count[1]) as f64 * width[0],
+                v[0] + (k % count[1]) as f64 * width[1],
+            ];
+            let at = |a: f64, b: f64| [corner[0] + a * width[0], corner[1] + b * width[1]];
+            // The middle comes first.
+            let order = (0..LOOKS * LOOKS).map(|k| (k + LOOKS * LOOKS / 2) % (LOOKS * LOOKS));
+            let look = |k: usize| (k as f64 + 0.5) / LOOKS as f64;
+            let mut looks = order.map(|k| at(look(k / LOOKS), look(k % LOOKS)));
+            let ends = (0..9).map(|k| at((k / 3) as f64 / 2.0, (k % 3) as f64 / 2.0));
+            Cell {
+                at: looks
+                    .find(|uv| ground.has(*uv))
+                    .map(|uv| (uv, ground.point(uv))),
+                ball: ball(ends.map(|uv| ground.point(uv)), BENT),
             }
-        }
-        let own = &cells[first..];
-        let (centre, _) = ball(own.iter().map(|cell| cell.ball.0), 0.0);
-        let reach = |cell: &Cell| (cell.ball.0 - centre).norm() + cell.ball.1;
+        };
+        let cells: Vec<Cell> = (0..count[0] * count[1]).map(cell).collect();
         Self {
             map: Map {
                 domain: [(u[0], u[1]), (v[0], v[1])],
@@ -150,18 +170,10 @@ impl FaceCells {
                 poles: ground.poles(),
                 spans: width.map(|w| SPAN * w),
             },
-            spacing_m: own
-                .iter()
-                .map(|cell| cell.ball.1)
-                .fold(f64::INFINITY, f64::min),
-            cells: count,
-            first,
-            ball: (centre, own.iter().map(reach).fold(0.0, f64::max)),
+            spacing_m: (cells.iter()).fold(f64::INFINITY, |least, cell| least.min(cell.ball.1)),
+            count,
+            cells,
         }
-    }
-
-    fn len(&self) -> usize {
-        self.cells[0] * self.cells[1]
     }
 
     /// A place is at an end of the rectangle, where edges are.
@@ -175,65 +187,98 @@ impl FaceCells {
 
     /// The cell beside one, over a seam where there is one.
     fn beside(&self, k: usize, step: [i64; 2]) -> Option<usize> {
-        let at = [k / self.cells[1], k % self.cells[1]];
+        let at = [k / self.count[1], k % self.count[1]];
         let mut to = [0; 2];
         for d in 0..2 {
-            let (x, n) = (at[d] as i64 + step[d], self.cells[d] as i64);
+            let (x, n) = (at[d] as i64 + step[d], self.count[d] as i64);
             if !(0..n).contains(&x) && !self.map.wraps[d] {
                 return None;
             }
             to[d] = x.rem_euclid(n) as usize;
         }
-        Some(to[0] * self.cells[1] + to[1])
+        Some(to[0] * self.count[1] + to[1])
+    }
+
+    /// It has a depth that no cell around it exceeds; of equal ones it is the first.
+    fn is_highest(&self, k: usize, samples: &[f64]) -> bool {
+        (-1..=1)
+            .flat_map(|a| (-1..=1).map(move |b| [a, b]))
+            .filter_map(|step| self.beside(k, step))
+            .all(|other| match other < k {
+                true => samples[k] > samples[other],
+                false => samples[k] >= samples[other],
+            })
+    }
+}
+
+impl Plan {
+    fn new(part: &Part) -> Self {
+        let (corners, of_vertex) = part.corners();
+        let (mut places, mut stretches) = (Vec::new(), Vec::new());
+        let mut edge = |(edge, counts): (u32, bool)| {
+            let ground = part.edge_ground(edge);
+            let last = ground.segments() as f64;
+            let count = match ground.is_line() {
+                true => PLACES,
+                false => PLACES * ground.segments(),
+            };
+            // Stretches of two edges share no place.
+            while places.len() % STRETCH > 0 {
+                places.extend(places.last().copied());
+            }
+            let first = places.len();
+            let own = (0..=count).map(|k| ground.point(last * k as f64 / count as f64));
+            places.extend(own.take_while(|_| counts));
+            let own = &places[first..];
+            // From each stretch to the next one as well.
+            let around = |k: usize| {
+                let end = (k + STRETCH + 1).min(own.len());
+                ball(own[k..end].iter().copied(), BENT)
+            };
+            stretches.extend((0..own.len()).step_by(STRETCH).map(around));
+            let steps = own.windows(2).map(|pair| (pair[1] - pair[0]).norm());
+            counts.then(|| EdgePlaces {
+                places: first..first + count + 1,
+                step_m: steps.fold(0.0, f64::max),
+                ends: (ground.ends()).map_or([None; 2], |ends| ends.map(|v| of_vertex[v as usize])),
+            })
+        };
+        let edges = (0..).zip(part.edges()).map(&mut edge).collect();
+        Self {
+            faces: (0..part.faces().len() as u32)
+                .map(|k| FaceCells::new(&part.face_ground(k)))
+                .collect(),
+            edges,
+            places,
+            stretches,
+            corners,
+            of_vertex,
+        }
     }
 }
 
 impl PartDepths {
     /// Makes room for the faces, edges and corners of a part.
     pub fn new(part: &Part) -> Self {
-        let mut cells = Vec::new();
-        let faces: Vec<FaceCells> = (0..part.faces().len() as u32)
-            .map(|k| FaceCells::new(&part.face_ground(k), &mut cells))
-            .collect();
-        let (corners, of_vertex) = part.corners();
-        let places = |edge: u32| {
-            let ground = part.edge_ground(edge);
-            let count = PLACES
-                * if ground.is_line() {
-                    1
-                } else {
-                    ground.segments()
-                };
-            let at = (0..=count)
-                .map(|k| ground.point(ground.segments() as f64 * k as f64 / count as f64));
-            EdgePlaces {
-                edge,
-                count,
-                ends: (ground.ends()).map_or([None; 2], |ends| ends.map(|v| of_vertex[v as usize])),
-                ball: ball(at, BENT),
-            }
+        let plan = Plan::new(part);
+        let cells = plan.faces.iter().map(|face| face.cells.len());
+        let places = plan.edges.iter().flatten().map(|edge| edge.places.len());
+        let most = cells.chain(places).max().unwrap_or(0);
+        // That of the face that is climbed on takes its place.
+        let nowhere = Map {
+            domain: [(0.0, 1.0); 2],
+            wraps: [false; 2],
+            poles: [[false; 2]; 2],
+            spans: [1.0; 2],
         };
-        let edges: Vec<EdgePlaces> = part.edges().map(places).collect();
-        let most = faces.iter().map(FaceCells::len).max().unwrap_or(0);
-        let most_places = edges.iter().map(|edge| edge.count + 1).max().unwrap_or(0);
-        let map = faces.first().map_or(
-            Map {
-                domain: [(0.0, 1.0); 2],
-                wraps: [false; 2],
-                poles: [[false; 2]; 2],
-                spans: [1.0; 2],
-            },
-            |face| face.map,
-        );
         Self {
-            tops: Tops::new(map, None, part.size_m(), 0.0),
-            seen: vec![false; corners.len()],
-            samples: Vec::with_capacity(most.max(most_places)),
+            tops: Tops::new(nowhere, None, part.size_m(), 0.0),
+            faces: Vec::with_capacity(plan.faces.len()),
+            wires: Vec::with_capacity(plan.edges.len() + plan.of_vertex.len()),
+            seen: vec![false; plan.corners.len()],
+            samples: Vec::with_capacity(most),
             found: Vec::with_capacity(MOST),
-            faces,
-            cells,
-            edges,
-            corners,
+            plan,
         }
     }
 
@@ -257,27 +302,42 @@ impl PartDepths {
         touched: bool,
         out: &mut ContactSet,
     ) {
+        let aim = Aim {
+            placed,
+            field,
+            margin_m,
+            touched,
+        };
         self.found.clear();
         self.seen.fill(false);
-        let may_reach = |(centre, radius_m): &(Point3, f64)| {
-            field.may_reach(&(placed.pose() * centre), &Vector3::repeat(*radius_m))
-        };
+        self.reach(&aim);
         for k in 0..self.faces.len() {
-            if may_reach(&self.faces[k].ball) {
-                self.search_face(placed, k, field, margin_m, touched, out);
+            self.search_face(&aim, self.faces[k], out);
+        }
+        for k in 0..self.wires.len() {
+            match self.wires[k] {
+                Wire::Edge(edge) => self.search_edge(&aim, edge, out),
+                Wire::Vertex(vertex) => {
+                    self.look_at_corner(&aim, self.plan.of_vertex[vertex as usize], out);
+                }
             }
         }
-        for k in 0..self.edges.len() {
-            if may_reach(&self.edges[k].ball) {
-                self.search_edge(placed, k, field, margin_m, out);
-            }
-        }
-        for k in 0..self.corners.len() {
-            let corner = &self.corners[k];
-            if !self.seen[k] && may_reach(&(corner.point, 0.0)) {
-                self.look_at_corner(placed, k, field, margin_m, out);
-            }
-        }
+    }
+
+    /// Gathers what the solid may reach.
+    fn reach(&mut self, aim: &Aim<'_, impl DepthField>) {
+        let pose = aim.placed.pose();
+        let turn = pose.rotation.to_rotation_matrix().into_inner().abs();
+        let passes = |low: &Point3, high: &Point3| {
+            let half = turn * ((high - low) * 0.5) * (1.0 + 1e-12);
+            aim.field
+                .may_reach(&(pose * nalgebra::center(low, high)), &half)
+        };
+        let Self { faces, wires, .. } = self;
+        (faces.clear(), wires.clear());
+        let part = aim.placed.part();
+        part.passing_faces(passes, |face| faces.push(face));
+        part.passing_wires(passes, |wire| wires.push(wire));
     }
 
     fn hold(&mut self, top: PartTop, out: &mut ContactSet) {
@@ -293,147 +353,119 @@ impl PartDepths {
         self.found.push(top);
     }
 
-    fn search_face(
-        &mut self,
-        placed: &PlacedPart,
-        k: usize,
-        field: &impl DepthField,
-        margin_m: f64,
-        touched: bool,
-        out: &mut ContactSet,
-    ) {
+    fn search_face(&mut self, aim: &Aim<'_, impl DepthField>, k: u32, out: &mut ContactSet) {
         let Self {
-            faces,
-            cells,
+            plan,
             samples,
             tops,
             ..
         } = self;
-        let face = &faces[k];
-        let own = &cells[face.first..face.first + face.len()];
-        let ground = Placed {
-            face: placed.part().face_ground(k as u32),
-            pose: placed.pose(),
+        let face = &plan.faces[k as usize];
+        let part = aim.placed.part();
+        let ground = PlacedFace {
+            face: part.face_ground(k),
+            pose: aim.placed.pose(),
         };
         samples.clear();
-        samples.extend(own.iter().map(|cell| {
-            let (centre, radius_m) = cell.ball;
-            let half = Vector3::repeat(radius_m);
-            match cell
-                .at
-                .filter(|_| field.may_reach(&(placed.pose() * centre), &half))
-            {
-                Some(at) => field.rough(&ground.point(at)).0,
-                None => f64::NEG_INFINITY,
-            }
+        samples.extend(face.cells.iter().map(|cell| match cell.at {
+            Some((_, point)) if aim.may_reach(&cell.ball) => aim.rough(&point),
+            _ => f64::NEG_INFINITY,
         }));
         tops.map = face.map;
         tops.spacing_m = face.spacing_m;
         tops.found.clear();
         tops.starts.clear();
         let mut complete = true;
-        for (k, cell) in own.iter().enumerate() {
+        for (k, cell) in face.cells.iter().enumerate() {
             let here = samples[k];
-            let Some(at) = cell.at.filter(|_| here > f64::NEG_INFINITY) else {
-                continue;
-            };
-            // Of equal cells, the first.
-            let highest = (-1..=1)
-                .flat_map(|a| (-1..=1).map(move |b| [a, b]))
-                .filter_map(|step| face.beside(k, step))
-                .all(|other| match other < k {
-                    true => here > samples[other],
-                    false => here >= samples[other],
-                });
-            if highest {
+            let at = cell.at.filter(|_| here > f64::NEG_INFINITY);
+            if let Some((at, _)) = at.filter(|_| face.is_highest(k, samples)) {
                 complete &= tops.starts.offer(here, at);
             }
         }
         if !complete {
             out.note_dropped();
         }
-        tops.climb_all(true, field, margin_m, &[], &ground);
+        tops.climb_all(true, aim.field, aim.margin_m, &[], &ground);
         // Through the middle of the solid: there, no side is nearest, and none of its edges is in touch.
-        let by_sides = touched || !tops.found.is_empty() || !samples.iter().any(|d| *d > 0.0);
+        let by_sides = aim.touched || !tops.found.is_empty() || !samples.iter().any(|d| *d > 0.0);
         if !by_sides {
-            tops.climb_all(false, field, margin_m, &[], &ground);
+            tops.climb_all(false, aim.field, aim.margin_m, &[], &ground);
         }
-        tops.finish(by_sides, field, &ground);
+        // Climbs go on past the edges of a face, where its own tops are those of the edges.
+        (tops.found).retain(|top| !face.ends_at(top.at) && ground.face.has(top.at));
+        tops.finish(by_sides, aim.field, &ground);
         for t in 0..self.tops.found.len() {
-            let top = self.tops.found[t];
-            // Climbs go on past the edges of a face, where its own tops are those of the edges.
-            if self.faces[k].ends_at(top.at) || !ground.face.has(top.at) {
-                continue;
-            }
-            let point = ground.point(top.at);
-            self.hold(
-                PartTop {
-                    place: placed.part().place(k as u32, top.at),
-                    point,
+            let at = self.tops.found[t].at;
+            let face = &self.plan.faces[k as usize];
+            if !face.ends_at(at) && ground.face.has(at) {
+                let top = PartTop {
+                    place: part.place(k, at),
+                    point: ground.point(at),
                     mark: ToolPoint::Found,
-                },
-                out,
-            );
+                };
+                self.hold(top, out);
+            }
         }
     }
 
-    fn search_edge(
-        &mut self,
-        placed: &PlacedPart,
-        k: usize,
-        field: &impl DepthField,
-        margin_m: f64,
-        out: &mut ContactSet,
-    ) {
-        let EdgePlaces {
-            edge, count, ends, ..
-        } = self.edges[k];
+    fn search_edge(&mut self, aim: &Aim<'_, impl DepthField>, k: u32, out: &mut ContactSet) {
+        let Some(edge) = self.plan.edges[k as usize].clone() else {
+            return;
+        };
+        for corner in edge.ends {
+            self.look_at_corner(aim, corner, out);
+        }
+        debug_assert!(edge.places.start % STRETCH == 0, "a stretch is of one edge");
+        let Plan {
+            places, stretches, ..
+        } = &self.plan;
+        self.samples.clear();
+        for k in edge.places.clone().step_by(STRETCH) {
+            let own = &places[k..edge.places.end.min(k + STRETCH)];
+            let reached = aim.may_reach(&stretches[k / STRETCH]);
+            let rough = |p| {
+                if reached {
+                    aim.rough(p)
+                } else {
+                    f64::NEG_INFINITY
+                }
+            };
+            self.samples.extend(own.iter().map(rough));
+        }
+        // A rough depth may be above the true one by the way to the next place.
+        let least_m = -aim.margin_m - edge.step_m;
+        if !self.samples.iter().any(|depth_m| *depth_m >= least_m) {
+            return;
+        }
         let along = Along {
-            ground: placed.part().edge_ground(edge),
-            pose: placed.pose(),
+            ground: aim.placed.part().edge_ground(k),
+            pose: aim.placed.pose(),
             size_m: self.tops.size_m,
         };
-        let last = along.ground.segments() as f64;
-        let at = |k: usize| last * k as f64 / count as f64;
-        self.samples.clear();
-        (self.samples).extend((0..=count).map(|k| field.rough(&along.point(at(k))).0));
-        for corner in ends.into_iter().flatten() {
-            if !self.seen[corner as usize] {
-                self.look_at_corner(placed, corner as usize, field, margin_m, out);
-            }
-        }
-        let mut fixed_m = f64::NEG_INFINITY;
-        for place in along.ground.round(ROUND) {
-            let depth_m = field.depth_m(&along.point(place));
-            fixed_m = fixed_m.max(depth_m);
-            if depth_m >= -margin_m && along.is_top(place, depth_m, field) {
-                self.hold(along.top(place, ToolPoint::Round), out);
-            }
-        }
-        let closed = ends == [None; 2];
-        if !closed {
-            for place in [0.0, last] {
-                fixed_m = fixed_m.max(field.depth_m(&along.point(place)));
-            }
-        }
-        for k in 0..=count {
-            let here = self.samples[k];
-            let before = k.checked_sub(1).map(|k| self.samples[k]);
-            let after = self.samples.get(k + 1).copied();
-            let highest =
-                before.is_none_or(|there| here > there) && after.is_none_or(|there| here >= there);
-            // A rough depth may be above the true one by the way to the next place.
-            if !highest || here < -margin_m - along.step_m(count) {
+        let fixed_m = self.fixed_places(aim, &edge, &along, out);
+        let count = edge.places.len() - 1;
+        let at = |k: usize| along.last() * k as f64 / count as f64;
+        let level_m = SAME * self.tops.size_m;
+        let mut next = 0;
+        while next <= count {
+            // Places that are level count as one.
+            let (first, here) = (next, self.samples[next]);
+            let rest = &self.samples[first..];
+            let is_level =
+                |depth_m: &&f64| **depth_m == here || (**depth_m - here).abs() <= level_m;
+            next += rest.iter().take_while(is_level).count();
+            let before = first.checked_sub(1).map(|k| self.samples[k]);
+            let after = self.samples.get(next).copied();
+            let mut beside = [before, after].into_iter().flatten();
+            if here < least_m || beside.any(|there| there > here) {
                 continue;
             }
-            let (low, high) = (at(k.saturating_sub(1)), at((k + 1).min(count)));
-            let place = section(low, high, |place| field.depth_m(&along.point(place)));
-            let depth_m = field.depth_m(&along.point(place));
+            let depth = |place| aim.field.depth_m(&along.point(place));
+            let ends = [first.saturating_sub(1), next.min(count)].map(at);
+            let (place, depth_m) = greatest(ends[0], ends[1], SECTIONS, depth);
             let by_m = depth_m - fixed_m;
-            if by_m > SAME * self.tops.size_m
-                && depth_m >= -margin_m
-                && along.is_top(place, depth_m, field)
-            {
+            if by_m > level_m && along.is_top(aim, place, depth_m) {
                 let mark = match fixed_m.is_finite() {
                     true => ToolPoint::Deepest { by_m },
                     false => ToolPoint::Found,
@@ -443,33 +475,68 @@ impl PartDepths {
         }
     }
 
+    /// Holds the fixed places of a round edge; the depth of the deepest of these and of the ends, m.
+    fn fixed_places(
+        &mut self,
+        aim: &Aim<'_, impl DepthField>,
+        edge: &EdgePlaces,
+        along: &Along<'_>,
+        out: &mut ContactSet,
+    ) -> f64 {
+        let mut fixed_m = f64::NEG_INFINITY;
+        for place in along.ground.round(ROUND) {
+            let depth_m = aim.field.depth_m(&along.point(place));
+            fixed_m = fixed_m.max(depth_m);
+            if along.is_top(aim, place, depth_m) {
+                self.hold(along.top(place, ToolPoint::Round), out);
+            }
+        }
+        let ends = [0.0, along.last()];
+        let ends = ends.into_iter().filter(|_| edge.ends != [None; 2]);
+        let depths = ends.map(|place| aim.field.depth_m(&along.point(place)));
+        depths.fold(fixed_m, f64::max)
+    }
+
     fn look_at_corner(
         &mut self,
-        placed: &PlacedPart,
-        k: usize,
-        field: &impl DepthField,
-        margin_m: f64,
+        aim: &Aim<'_, impl DepthField>,
+        corner: Option<u32>,
         out: &mut ContactSet,
     ) {
-        self.seen[k] = true;
-        let corner = &self.corners[k];
-        let point = placed.pose() * corner.point;
-        let depth_m = field.depth_m(&point);
-        let leads = |step: &Vector3| {
-            let beside = placed.pose() * (corner.point + step);
-            field.depth_m(&beside) > depth_m + RESTING * step.norm()
+        let Some(k) = corner.map(|k| k as usize) else {
+            return;
         };
-        if depth_m >= -margin_m && !corner.beside.iter().any(leads) {
-            let place = corner.place;
-            self.hold(
-                PartTop {
-                    place,
-                    point,
-                    mark: ToolPoint::Corner,
-                },
-                out,
-            );
+        if std::mem::replace(&mut self.seen[k], true) {
+            return;
         }
+        let corner = &self.plan.corners[k];
+        let pose = aim.placed.pose();
+        let point = pose * corner.point;
+        let depth_m = aim.field.depth_m(&point);
+        let leads = |step: &Vector3| {
+            let beside = pose * (corner.point + step);
+            aim.field.depth_m(&beside) > depth_m + RESTING * step.norm()
+        };
+        if depth_m >= -aim.margin_m && !corner.beside.iter().any(leads) {
+            let top = PartTop {
+                place: corner.place,
+                point,
+                mark: ToolPoint::Corner,
+            };
+            self.hold(top, out);
+        }
+    }
+}
+
+impl<F: DepthField> Aim<'_, F> {
+    fn may_reach(&self, (centre, radius_m): &Ball) -> bool {
+        let centre = self.placed.pose() * centre;
+        self.field.may_reach(&centre, &Vector3::repeat(*radius_m))
+    }
+
+    /// Rough depth of a point of the part's frame, m.
+    fn rough(&self, p: &Point3) -> f64 {
+        self.field.rough(&(self.placed.pose() * p)).0
     }
 }
 
@@ -481,27 +548,24 @@ struct Along<'a> {
 }
 
 impl Along<'_> {
+    fn last(&self) -> f64 {
+        self.ground.segments() as f64
+    }
+
     fn point(&self, place: f64) -> Point3 {
         self.pose * self.ground.point(place)
     }
 
-    /// Between two of so many places, m, roughly.
-    fn step_m(&self, count: usize) -> f64 {
-        let last = self.ground.segments() as f64;
-        let at = |k: usize| self.point(last * k as f64 / count as f64);
-        let steps = (0..count).map(|k| (at(k + 1) - at(k)).norm());
-        steps.fold(0.0, f64::max)
-    }
-
-    /// No face beside it leads on deeper.
-    fn is_top(&self, place: f64, depth_m: f64, field: &impl DepthField) -> bool {
+    /// It is in reach, and no face beside it leads on deeper.
+    fn is_top(&self, aim: &Aim<'_, impl DepthField>, place: f64, depth_m: f64) -> bool {
         let step_m = INTO * self.size_m;
         let point = self.point(place);
         let mut inward = self.ground.inward(place);
-        inward.all(|inward| {
-            let beside = point + self.pose * inward * step_m;
-            field.depth_m(&beside) <= depth_m + RISES * step_m
-        })
+        depth_m >= -aim.margin_m
+            && inward.all(|inward| {
+                let beside = point + self.pose * inward * step_m;
+                aim.field.depth_m(&beside) <= depth_m + RISES * step_m
+            })
     }
 
     fn top(&self, place: f64, mark: ToolPoint) -> PartTop {
@@ -511,23 +575,4 @@ impl Along<'_> {
             mark,
         }
     }
-}
-
-/// The place of the greatest value between two, by golden section.
-fn section(mut low: f64, mut high: f64, value: impl Fn(f64) -> f64) -> f64 {
-    const GOLDEN: f64 = 0.618_033_988_749_894_8;
-    let (mut a, mut b) = (high - GOLDEN * (high - low), low + GOLDEN * (high - low));
-    let (mut at_a, mut at_b) = (value(a), value(b));
-    for _ in 0..SECTIONS {
-        if at_a > at_b {
-            (high, b, at_b) = (b, a, at_a);
-            a = high - GOLDEN * (high - low);
-            at_a = value(a);
-        } else {
-            (low, a, at_a) = (a, b, at_b);
-            b = low + GOLDEN * (high - low);
-            at_b = value(b);
-        }
-    }
-    if at_a > at_b { a } else { b }
 }

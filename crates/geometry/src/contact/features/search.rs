@@ -75,9 +75,23 @@ struct Below<'a> {
     solver: &'a mut SkinSolver,
     side: f64,
     open: [bool; 2],
+    /// Around the body, m, and how far outside of it points count.
+    bounds: (Point3, Point3),
+    within_m: f64,
 }
 
 impl Below<'_> {
+    /// Something of a ball around a point may be in touch, or within the margin.
+    fn may_touch(&self, p: &Point3, radius_m: f64) -> bool {
+        self.away_m(p) <= radius_m + self.within_m
+    }
+
+    /// From the box around the body, m.
+    fn away_m(&self, p: &Point3) -> f64 {
+        let (low, high) = &self.bounds;
+        distance_squared_to_box(p, low, high).sqrt()
+    }
+
     /// The contact of a point of the tool with its foot. Beyond an open rim there is none.
     fn contact(&self, foot: &ClosestPoint, p: &Point3, point: ToolPoint) -> Option<Contact> {
         let gap_m = self.side * foot.signed_distance;
@@ -215,23 +229,22 @@ impl FeatureSearch {
             .iter()
             .fold((points[0], points[0]), |(l, h), p| (l.inf(p), h.sup(p)));
         let behind_m = if closed { 0.0 } else { size_m };
-        let within_m = reach.margin_m + behind_m + 1e-9 * size_m;
-        let away_m = |p: &Point3| distance_squared_to_box(p, &low, &high).sqrt();
-        let near = |p: &Point3, radius_m: f64| away_m(p) <= radius_m + within_m;
         let mut below = Below {
             skin,
             solver,
             side,
             open,
+            bounds: (low, high),
+            within_m: reach.margin_m + behind_m + 1e-9 * size_m,
         };
         // The distance changes by no more than the way.
         for (block, (centre, radius_m)) in blocks.iter().enumerate() {
             let first = block * BLOCK;
             let last = corners.len().min(first + BLOCK);
             let centre = pose * centre;
-            let is_near = near(&centre, *radius_m);
+            let is_near = below.may_touch(&centre, *radius_m);
             let least_m = match is_near {
-                false => away_m(&centre) - radius_m,
+                false => below.away_m(&centre) - radius_m,
                 true if last - first == 1 => f64::NEG_INFINITY,
                 true => below.gap_m(&centre) - radius_m,
             };
@@ -244,8 +257,8 @@ impl FeatureSearch {
                 if !is_near || least_m > reach.margin_m {
                     continue;
                 }
-                corners[k].least_m = away_m(&p);
-                if near(&p, 0.0) {
+                corners[k].least_m = below.away_m(&p);
+                if below.may_touch(&p, 0.0) {
                     let foot = below.closest(&p);
                     corners[k] = CornerGap {
                         least_m: side * foot.signed_distance,
@@ -257,7 +270,7 @@ impl FeatureSearch {
         }
         for edge in &features.edges {
             let (centre, radius_m) = edge.ball();
-            if !near(&(pose * centre), radius_m) {
+            if !below.may_touch(&(pose * centre), radius_m) {
                 continue;
             }
             along(edge, corners, spacing_m, pose, &mut below, reach, set);
@@ -338,9 +351,22 @@ fn along(
         }
     }
     let at = |k: usize| k as f64 / looks as f64;
+    let mut places = [(Point3::origin(), Vector3::zeros()); LOOKS + 1];
+    (0..=looks).for_each(|k| places[k] = point(at(k)));
+    let chord_m = |k: usize| (places[k + 1].0 - places[k].0).norm();
+    // Between two looks an edge is no longer than twice the way.
+    let step_m = 2.0 * (0..looks).map(chord_m).fold(0.0, f64::max);
+    let counts = |k: usize| {
+        let beside = k.saturating_sub(1)..=(k + 1).min(looks);
+        let fixed = edge.is_round() && k % EVERY == 0;
+        let reach_m = step_m * if fixed { EVERY as f64 } else { 1.0 };
+        let mut near = beside.map(|k| below.may_touch(&places[k].0, reach_m));
+        k == 0 || k == looks || near.any(|near| near)
+    };
+    let counted: [bool; LOOKS + 1] = std::array::from_fn(|k| k <= looks && counts(k));
     let mut feet = [None; LOOKS + 1];
-    for k in 0..=looks {
-        let (p, way) = point(at(k));
+    for k in (0..=looks).filter(|&k| counted[k]) {
+        let (p, way) = places[k];
         let foot = match ends {
             Some([first, _]) if k == 0 => corners[first].foot,
             Some([_, last]) if k == looks => corners[last].foot,
@@ -408,6 +434,8 @@ fn least(
         foot: WarmFoot::default(),
         at: p,
     };
+    // Where an edge is level, no place on it is deeper.
+    let close = if shift == 0.0 { 1e-15 } else { 1e-9 };
     let mut level = None;
     for step in 0..STEPS {
         let t = if step % 3 == 2 || shift != 0.0 {
@@ -419,7 +447,7 @@ fn least(
         p = here;
         foot = below.foot_near(&p, &foot, &mut warm);
         let slope = below.slope(&foot, &way) / length_m - shift;
-        if slope.abs() < NO_SLOPE || high - low < 1e-15 {
+        if slope.abs() < NO_SLOPE || high - low < close {
             break;
         }
         if slope * shift < 0.0 {

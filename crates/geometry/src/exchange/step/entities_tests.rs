@@ -420,7 +420,7 @@ fn senses_are_written_as_they_were_corrected() {
     }
 }
 
-/// The same instances, numbered higher; contexts stay.
+/// A file's instances with their numbers raised, but for those of its contexts.
 fn renumbered(text: &str, by: u64) -> String {
     let mut out = String::new();
     for (k, part) in text.split('#').enumerate() {

@@ -72,7 +72,7 @@ impl<'a, 'b> File<'a, 'b> {
     pub fn point(&self, id: u64, from: u64, unit: &Unit) -> Result<Point3, StepError> {
         let entity = self.entity(id, from)?;
         let [x, y, z] = entity.triple("CARTESIAN_POINT", "a point with three coordinates")?;
-        // What is smaller has no square, and is no length.
+        // Squares of anything smaller are lost, and divisions by them give no number.
         let length_m = |x: f64| match unit.to_metres(x) {
             x_m if x_m.abs() < LEAST_M => 0.0,
             x_m => x_m,
