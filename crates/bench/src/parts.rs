@@ -1,7 +1,8 @@
 //! The parts suite: closest points of STEP parts, with their error and their time, beside OpenCASCADE where
-//! `PALPATE_PYTHON` names a Python that can import `OCP`; and a ball slid over them in the loop.
+//! `PALPATE_PYTHON` names a Python that can import `OCP`; and a ball slid over them, and solids pressed on them, in the loop.
 
 mod picture;
+mod press;
 mod slide;
 mod world;
 
@@ -48,7 +49,10 @@ struct Peer {
 /// Of `scenes/bracket.toml`.
 const BRACKET: &str = include_str!("../../../scenes/bracket.step");
 
-/// Runs cases `closest/<part>` and `slide/<part>`. Each row is handed out as soon as it is measured.
+/// Parts that solid tools are pressed on.
+const PRESSED: [&str; 3] = ["filleted_box", "text_cut", "bracket"];
+
+/// Runs cases `closest/<part>`, `slide/<part>` and `press/<part>`. Each row is handed out as soon as it is measured.
 pub fn parts(effort: Effort, cases: Cases<'_>, out: &mut dyn FnMut(Row)) {
     let all = inputs![
         "assembly",
@@ -76,6 +80,17 @@ pub fn parts(effort: Effort, cases: Cases<'_>, out: &mut dyn FnMut(Row)) {
         if cases.has(&case) {
             let row = Row::new("parts", case, "palpate");
             out(slide::slide(effort, step, row));
+        }
+        let case = format!("press/{name}");
+        for tool in press::TOOLS {
+            if PRESSED.contains(&name) && cases.has(&case) {
+                out(press::press(
+                    effort,
+                    step,
+                    tool,
+                    Row::new("parts", &case, tool.0),
+                ));
+            }
         }
     }
 }

@@ -244,9 +244,13 @@ pub(super) fn tables() -> Vec<Table> {
                 Effort::Quick,
                 "parts",
                 "docs/figures.md",
-                &[Rows(Suite::Parts, &[("slide/*", "*")])],
+                &[Rows(Suite::Parts, &[("slide/*", "*"), ("press/*", "*")])],
                 &[Median, P99, Error, Wrong],
-                &["crates/bench/src/parts/slide.rs", GEOMETRY],
+                &[
+                    "crates/bench/src/parts/slide.rs",
+                    "crates/bench/src/parts/press.rs",
+                    GEOMETRY,
+                ],
             )
         },
         rows(

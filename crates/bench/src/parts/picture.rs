@@ -1,6 +1,6 @@
 //! Forces along straight ways over a fillet, a sharp edge and a thread.
 
-use super::slide::{PRESSED_M, RADIUS_M, scene};
+use super::slide::{PRESSED_M, RADIUS_M, ball, scene};
 use super::world::World;
 use palpate::chart::{Chart, Curve, Scale, page};
 use palpate_geometry::math::{Point3, Vector3};
@@ -54,7 +54,7 @@ fn curve(way: &Way) -> Vec<(f64, f64)> {
     let at = |along_m: f64, up_m: f64| -> [f64; 3] {
         (way.start + way.along * along_m + way.up * up_m).into()
     };
-    let mut world = World::new(&scene(way.step, at(0.0, 2.0 * RADIUS_M)));
+    let mut world = World::new(&scene(way.step, &ball(), at(0.0, 2.0 * RADIUS_M)));
     for k in (0..200).rev() {
         world.at(at(0.0, 2.0 * RADIUS_M * f64::from(k) / 200.0));
     }

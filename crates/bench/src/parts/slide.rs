@@ -20,16 +20,21 @@ const HALVINGS: usize = 12;
 /// Ticks of the way from 4 mm outside to the depth.
 const APPROACH: usize = 200;
 
-/// A part as the text of a STEP file, and the ball: text of the scene.
-pub(super) fn scene(step: &str, start: [f64; 3]) -> String {
+/// A part as the text of a STEP file, and a tool with its shape: text of the scene.
+pub(super) fn scene(step: &str, shape: &str, start: [f64; 3]) -> String {
     let step = toml::Value::String(step.to_owned());
     format!(
         "[[body]]\nid = \"part\"\nsurface = {{ inline = {{ step = {step} }} }}\n\
-         [[tool]]\nid = \"ball\"\nshape = {{ sphere = {{ radius_m = {RADIUS_M:?} }} }}\n\
+         [[tool]]\nid = \"tool\"\nshape = {{ {shape} }}\n\
          pose = {{ position = {start:?} }}\n\
          coupling = {{ stiffness_n_m = {STIFFNESS_N_M:?}, damping_n_s_m = 0.0 }}\n\
          device = {{ force_max_n = 500.0, ramp_s = 0.0, speed_max_m_s = 1000.0 }}\n"
     )
+}
+
+/// The shape of the ball.
+pub(super) fn ball() -> String {
+    format!("sphere = {{ radius_m = {RADIUS_M:?} }}")
 }
 
 /// A smooth way around a box, m, 4 mm outside of it.
@@ -92,7 +97,7 @@ pub(super) fn slide(effort: Effort, step: &str, row: Row) -> Row {
 
 impl Slide {
     fn once(&mut self, step: &str, phase: f64, ticks: usize) {
-        let mut world = World::new(&scene(step, [0.0, 0.0, 0.5]));
+        let mut world = World::new(&scene(step, &ball(), [0.0, 0.0, 0.5]));
         let skin = world.scene.skin(0).clone();
         let Some(part) = skin.part() else { return };
         let bounds = part.part().bounds();
