@@ -188,6 +188,33 @@ impl SceneChange {
         Ok(Self { spec, origins })
     }
 
+    /// A body may be cut: a solid that deforms, of one closed surface without joined patches.
+    ///
+    /// # Errors
+    /// It does not deform.
+    pub fn check_cut(scene: &Scene, body: usize) -> Result<(), SceneError> {
+        if scene.deforms(body) {
+            return Ok(());
+        }
+        let reason = format!(
+            "{:?} is rigid; only bodies that deform can be cut",
+            scene.body_id(body)
+        );
+        Err(SceneError::one(format!("body[{body}]"), reason))
+    }
+
+    /// The scene with pieces in the place of a body: their surfaces at rest, m, in the world, as the cut lists them.
+    /// Their ids are the body's with -1, -2 ….
+    ///
+    /// # Errors
+    /// Always, here.
+    pub fn cut(_scene: &Scene, body: usize, _pieces: &[Surface]) -> Result<Self, SceneError> {
+        Err(SceneError::one(
+            format!("body[{body}]"),
+            "cannot be cut yet",
+        ))
+    }
+
     /// True when the bodies that stay have the same coordinates in both scenes.
     pub fn fits(&self, old: &Scene, new: &Scene) -> bool {
         let count = |scene: &Scene, body: usize| {
@@ -300,7 +327,23 @@ fn renamed(contacts: &[ContactSpec], parts: &[&str], id: &str) -> Vec<ContactSpe
     out
 }
 
+/// Finds where at rest the matter is that is at a place now.
+pub struct Matter<'a>(std::marker::PhantomData<&'a Scene>);
+
+impl Matter<'_> {
+    /// Where it is at rest, m.
+    pub fn at_rest(&mut self, now: &Point3) -> Point3 {
+        *now
+    }
+}
+
 impl Scene {
+    /// Where the matter of a body is at rest; `coordinates`: as it stands now, m.
+    pub fn matter(&self, body: usize, _coordinates: &[Point3]) -> Option<Matter<'_>> {
+        self.deforms(body)
+            .then_some(Matter(std::marker::PhantomData))
+    }
+
     /// The surface of a body as it stands, m, in the world; `points` are its control points. `None` of a part.
     ///
     /// # Errors
