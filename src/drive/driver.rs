@@ -281,6 +281,11 @@ impl Driver {
         std::mem::swap(&mut self.ports.nets, &mut swap.net_port);
         std::mem::swap(&mut self.journal, &mut swap.journal);
         self.journal.keyframe(&self.state, state_hash(&self.state));
+        // Before the receipt: who asks for the next change then is asked about bodies as they stand, not at rest.
+        self.nets.begin();
+        self.ports.rewind();
+        self.ports
+            .hand_over_nets(&self.scene, &self.state, self.state.tick, &mut self.nets);
         let _ = self.ports.receipts.push(Receipt {
             id: swap.id,
             tick: self.state.tick + 1,

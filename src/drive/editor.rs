@@ -2,6 +2,7 @@
 
 use super::ports::NetEnd;
 use super::swap::Swap;
+use palpate_geometry::cut::CutPlane;
 use palpate_geometry::math::Point3;
 use palpate_sim::scene::Scene;
 use std::sync::Arc;
@@ -13,6 +14,15 @@ pub struct EditRequest {
     pub bodies: Vec<usize>,
     /// What to do with them.
     pub edit: Edit,
+}
+
+/// How a body stands; both lists are of the same tick.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Standing {
+    /// Control points, u-major, m.
+    pub points: Vec<Point3>,
+    /// Coordinates of a body that deforms, m, of which its nodes are made; none of others.
+    pub coordinates: Vec<Point3>,
 }
 
 /// A change of the scene.
@@ -44,6 +54,13 @@ pub enum Edit {
     Truncate {
         /// How far the wall may be off, m.
         tolerance_m: Option<f64>,
+    },
+    /// The pieces that a plane makes of one body in its place.
+    Cut {
+        /// In the world.
+        plane: CutPlane,
+        /// Width of what is lost, half of it on either side of the plane, m; not negative.
+        kerf_m: f64,
     },
 }
 
@@ -80,9 +97,9 @@ pub enum EditNews {
 
 /// Who remakes scenes, as the bus thread sees it. Nothing here waits.
 pub trait Editor: Send {
-    /// Asks for a change of a scene; `nets` are the control points of the bodies named, m, as they
-    /// stand. The answer comes with [`Editor::news`] under the same number.
-    fn ask(&mut self, id: u64, scene: &Arc<Scene>, nets: Vec<Vec<Point3>>, request: EditRequest);
+    /// Asks for a change of a scene; `standing` is how the bodies named stand. The answer comes with
+    /// [`Editor::news`] under the same number.
+    fn ask(&mut self, id: u64, scene: &Arc<Scene>, standing: Vec<Standing>, request: EditRequest);
     /// The next piece of news, if there is one.
     fn news(&mut self) -> Option<EditNews>;
 }

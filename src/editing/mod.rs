@@ -1,19 +1,19 @@
-//! Scenes remade while they run: merge, isolate, truncate.
+//! Scenes remade while they run: merge, isolate, truncate, cut.
 //!
 //! ```text
-//! bus ── request, nets ──▶ worker: model the surfaces ─▶ next scene file ─▶ Scene, buffers, journal ── Swap ──▶ bus ─▶ loop
+//! bus ── request, bodies as they stand ──▶ worker: model the surfaces ─▶ next scene file ─▶ Scene, buffers, journal ── Swap ──▶ bus ─▶ loop
 //! ```
 //! All of it happens on a thread of its own; the loop goes on meanwhile, and takes the next scene
 //! over between two ticks.
 
+mod cut;
 mod isolate;
 mod merge;
 mod truncate;
 
-use crate::drive::editor::{Edit, EditNews, EditRequest, Editor};
+use crate::drive::editor::{Edit, EditNews, EditRequest, Editor, Standing};
 use crate::drive::swap::Swap;
 use crate::recording::SceneChanges;
-use palpate_geometry::math::Point3;
 use palpate_geometry::surface::Surface;
 use palpate_sim::scene::{Scene, SceneChange};
 use sha2::Digest as _;
@@ -29,7 +29,7 @@ const FAULT: &str = "an internal fault of the modeling code stopped the change; 
 struct EditJob {
     id: u64,
     scene: Arc<Scene>,
-    nets: Vec<Vec<Point3>>,
+    standing: Vec<Standing>,
     request: EditRequest,
 }
 
@@ -77,12 +77,12 @@ impl SceneEditor {
 }
 
 impl Editor for SceneEditor {
-    fn ask(&mut self, id: u64, scene: &Arc<Scene>, nets: Vec<Vec<Point3>>, request: EditRequest) {
+    fn ask(&mut self, id: u64, scene: &Arc<Scene>, standing: Vec<Standing>, request: EditRequest) {
         // The thread lives as long as we do.
         let _ = self.jobs.send(EditJob {
             id,
             scene: scene.clone(),
-            nets,
+            standing,
             request,
         });
     }
@@ -96,15 +96,15 @@ fn carry_out(job: &EditJob, changes: &SceneChanges) -> Result<EditNews, String> 
     let EditJob {
         id,
         scene,
-        nets,
+        standing,
         request,
     } = job;
     let surfaces: Vec<Surface> = request
         .bodies
         .iter()
-        .zip(nets)
-        .map(|(&body, points)| {
-            let surface = scene.surface_with(body, points).map_err(|e| e.to_string())?;
+        .zip(standing)
+        .map(|(&body, stands)| {
+            let surface = scene.surface_with(body, &stands.points).map_err(|e| e.to_string())?;
             surface.ok_or_else(|| {
                 format!(
                     "{:?} is a part, which has no net to change; name bodies that are B-spline surfaces",
@@ -148,6 +148,12 @@ fn carry_out(job: &EditJob, changes: &SceneChanges) -> Result<EditNews, String> 
         }
         Edit::Truncate { tolerance_m } => {
             truncate::truncate(scene, &request.bodies, &surfaces, *tolerance_m)?
+        }
+        Edit::Cut { plane, kerf_m } => {
+            let (&[body], [surface], [stands]) = (&*request.bodies, &*surfaces, &**standing) else {
+                return Err("cut takes one body".into());
+            };
+            cut::cut(scene, body, surface, &stands.coordinates, plane, *kerf_m)?
         }
     };
     let Some(change) = change else {

@@ -17,6 +17,7 @@ use super::events::Events;
 use super::forces::Forces;
 use super::health::Health;
 use super::intake::{Intake, Notice, Question, Requests};
+use super::knives::Knives;
 use super::link::LoopLink;
 use super::metrics::{AdapterCounts, LoopMetrics};
 use super::nets::Nets;
@@ -154,6 +155,7 @@ struct BusThread {
     link: LoopLink,
     rpc: Rpc,
     edits: Edits,
+    knives: Knives,
     devices: Devices,
     forces: Forces,
     contacts: Contacts,
@@ -221,6 +223,10 @@ impl BusThread {
         let declared = Declared::new(
             session_of, &keys, &scene, poses, &clients, &devices, &intake, roles,
         )?;
+        let knives = match settings.editor {
+            Some(_) => Knives::new(&scene),
+            None => Knives::none(),
+        };
         let mut bus = Self {
             session,
             declared,
@@ -235,6 +241,7 @@ impl BusThread {
             },
             rpc: Rpc::new(settings.player),
             edits: Edits::new(settings.editor),
+            knives,
             devices,
             forces,
             contacts,
@@ -306,7 +313,10 @@ impl BusThread {
         // The receipt of a change comes before its first tick: all that came before the change is
         // published now.
         self.follow_change(None);
-        self.tally.poll(&self.served.scene, &mut self.events);
+        self.tally
+            .poll(&self.served.scene, &mut self.events, |record| {
+                self.knives.see(&self.served.scene, record);
+            });
         self.forces.answer_again();
         let newcomer = self.view.take_newcomer();
         self.nets
@@ -319,15 +329,26 @@ impl BusThread {
         self.answer_questions();
         self.take_receipts();
         self.rpc.take_archive_news(&mut self.events);
-        let next_tick = self.tally.status().tick + 1;
-        self.edits
-            .take_news(next_tick, &mut self.link, &mut self.rpc.desk);
+        self.take_edits();
         self.rpc.take_player_news(player_news, &mut self.events);
         if self.last_status.elapsed() >= STATUS_EVERY {
             self.publish_status();
         }
         self.show_events();
         self.view.tell(|sink| sink.turn_over());
+    }
+
+    /// Takes what has become of changes, and begins with the next cut of a tool.
+    fn take_edits(&mut self) {
+        let next_tick = self.tally.status().tick + 1;
+        let (link, desk, events) = (&mut self.link, &mut self.rpc.desk, &mut self.events);
+        self.edits.take_news(next_tick, link, desk, events);
+        let (scene, nets) = (&self.served.scene, &self.nets);
+        while !self.edits.under_way()
+            && let Some(cut) = self.knives.next_cut(scene, nets)
+        {
+            self.edits.ask_cut(desk.own_id(), scene, nets, cut, events);
+        }
     }
 
     /// Shows pages the scene as it stands.
@@ -473,7 +494,8 @@ impl BusThread {
                 events: &mut self.events,
                 edits: &mut self.edits,
                 scene,
-                nets: self.nets.all(scene),
+                nets: &self.nets,
+                newest: self.forces.newest(),
             };
             self.rpc.take(method, asked, parties);
         }

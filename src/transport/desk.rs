@@ -25,6 +25,12 @@ impl Desk {
         self.next_id
     }
 
+    /// A number for a command of our own, whose answer nobody waits for.
+    pub(super) fn own_id(&mut self) -> u64 {
+        self.next_id += 1;
+        self.next_id - 1
+    }
+
     /// Keeps the query of the command that was passed on as [`Desk::next_id`].
     pub(super) fn keep(&mut self, query: Asked) {
         self.pending.push((self.next_id, query));

@@ -2,14 +2,17 @@
 //! takes it over between two ticks, and the bus declares what it has.
 //!
 //! ```text
-//! rpc merge, isolate, truncate ─▶ Editor ─▶ EditNews::Ready ─▶ swap ─▶ loop ─▶ receipt: from this tick on
+//! rpc merge, isolate, truncate, cut ─▶ Editor ─▶ EditNews::Ready ─▶ swap ─▶ loop ─▶ receipt: from this tick on
+//! tools that cut ─▶ Knives ───────────▶ ┘
 //! ```
 
 use super::desk::Desk;
+use super::events::Events;
+use super::knives::ToolCut;
 use super::link::LoopLink;
+use super::nets::Nets;
 use crate::drive::editor::{Edit, EditNews, EditRequest, Editor};
 use crate::drive::ports::{NetEnd, Receipt};
-use palpate_proto::messages::ControlNet;
 use palpate_proto::rpc::Answer;
 use palpate_sim::scene::Scene;
 use std::sync::Arc;
@@ -39,6 +42,8 @@ pub(super) struct DueScene {
 pub(super) struct Edits {
     editor: Option<Box<dyn Editor>>,
     change: Option<SceneEdit>,
+    /// The cut of a tool, if that is the change.
+    tool_cut: Option<ToolCut>,
 }
 
 impl Edits {
@@ -47,15 +52,16 @@ impl Edits {
         Self {
             editor,
             change: None,
+            tool_cut: None,
         }
     }
 
-    /// Asks for a change of a scene; `nets` are the newest ones, by body.
+    /// Asks for a change of a scene whose bodies stand as the newest nets say.
     pub(super) fn ask(
         &mut self,
         id: u64,
         scene: &Arc<Scene>,
-        nets: &[ControlNet],
+        nets: &Nets,
         edit: Edit,
         names: &[String],
     ) -> Result<(), String> {
@@ -75,25 +81,58 @@ impl Edits {
         };
         let bodies = names.iter().map(index).collect::<Result<Vec<_>, _>>()?;
         let twice = (1..bodies.len()).any(|k| bodies[..k].contains(&bodies[k]));
-        if bodies.len() < 2 || twice {
+        let of_one = matches!(edit, Edit::Cut { .. });
+        if !of_one && (bodies.len() < 2 || twice) {
             return Err("name at least two bodies, each once: {\"bodies\": [\"a\", \"b\"]}".into());
         }
-        let nets = bodies
-            .iter()
-            .map(|&body| nets[body].points.iter().map(|&p| p.into()).collect())
-            .collect();
+        let standing = bodies.iter().map(|&body| nets.standing(scene, body));
+        let standing = standing.collect();
         let Some(editor) = &mut self.editor else {
             return Err(
                 "this daemon keeps its scene: it runs with --self-check, or only plays".into(),
             );
         };
-        editor.ask(id, scene, nets, EditRequest { bodies, edit });
+        editor.ask(id, scene, standing, EditRequest { bodies, edit });
         self.change = Some(SceneEdit::Asked);
         Ok(())
     }
 
+    /// Asks for the cut of a tool.
+    pub(super) fn ask_cut(
+        &mut self,
+        id: u64,
+        scene: &Arc<Scene>,
+        nets: &Nets,
+        cut: ToolCut,
+        events: &mut Events,
+    ) {
+        let edit = Edit::Cut {
+            plane: cut.plane,
+            kerf_m: 0.0,
+        };
+        match self.ask(id, scene, nets, edit, std::slice::from_ref(&cut.body)) {
+            Ok(()) => self.tool_cut = Some(cut),
+            Err(reason) => cut.tell_refused(&reason, events),
+        }
+    }
+
+    /// The change under way cannot be: tells who asked for it.
+    fn refuse(&mut self, id: u64, reason: &str, desk: &mut Desk, events: &mut Events) {
+        self.change = None;
+        match self.tool_cut.take() {
+            Some(cut) => cut.tell_refused(reason, events),
+            None => desk.settle(id, &Answer::refused(reason)),
+        }
+    }
+
     /// What whoever remakes scenes has to tell; `next_tick` is the one that runs next.
-    pub(super) fn take_news(&mut self, next_tick: u64, link: &mut LoopLink, desk: &mut Desk) {
+    pub(super) fn take_news(
+        &mut self,
+        next_tick: u64,
+        link: &mut LoopLink,
+        desk: &mut Desk,
+        events: &mut Events,
+    ) {
         while let Some(news) = self.editor.as_mut().and_then(|editor| editor.news()) {
             match news {
                 EditNews::Ready {
@@ -105,9 +144,8 @@ impl Edits {
                 } => {
                     let (id, scene) = (swap.id, swap.scene().clone());
                     if !link.swap(swap) {
-                        self.change = None;
                         let reason = "the loop has not taken the last change yet; try again";
-                        desk.settle(id, &Answer::refused(reason));
+                        self.refuse(id, reason, desk, events);
                         continue;
                     }
                     let next = DueScene {
@@ -122,13 +160,10 @@ impl Edits {
                     self.change = Some(SceneEdit::Sent(Box::new(next)));
                 }
                 EditNews::Nothing { id, report } => {
-                    self.change = None;
+                    (self.change, self.tool_cut) = (None, None);
                     desk.settle(id, &Answer::with_report(next_tick, report));
                 }
-                EditNews::Refused { id, reason } => {
-                    self.change = None;
-                    desk.settle(id, &Answer::refused(reason));
-                }
+                EditNews::Refused { id, reason } => self.refuse(id, &reason, desk, events),
             }
         }
     }
@@ -158,6 +193,7 @@ impl Edits {
         if !is_due {
             return None;
         }
+        self.tool_cut = None;
         match self.change.take() {
             Some(SceneEdit::Sent(next)) => Some(*next),
             _ => None,

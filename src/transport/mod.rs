@@ -19,6 +19,7 @@ mod forces;
 mod health;
 mod history;
 mod intake;
+mod knives;
 mod link;
 mod metrics;
 mod nets;

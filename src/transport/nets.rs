@@ -5,9 +5,12 @@
 use super::intake::{Intake, Question};
 use super::post::{NetSlot, Post};
 use super::view::View;
+use crate::drive::editor::Standing;
 use crate::drive::ports::{NetEnd, NetFrame};
 use crate::wire;
 use palpate_client::publisher;
+use palpate_geometry::cut::CutPlane;
+use palpate_geometry::math::Point3;
 use palpate_proto::codec::encode;
 use palpate_proto::keys::Keys;
 use palpate_proto::messages::ControlNet;
@@ -201,6 +204,34 @@ impl Nets {
             let (tick, revision) = (frame.tick, frame.revision);
             self.newest[body] = wire::control_net(scene, body, tick, revision, &frame.points);
         }
+    }
+
+    /// How a body stands.
+    pub(super) fn standing(&self, scene: &Scene, body: usize) -> Standing {
+        if let Some(frame) = &self.last[body] {
+            return Standing {
+                points: frame.points.clone(),
+                coordinates: frame.coordinates.clone(),
+            };
+        }
+        // Nothing has moved it yet.
+        let points = &self.newest[body].points;
+        Standing {
+            points: points.iter().map(|&point| point.into()).collect(),
+            coordinates: (scene.deformable(body))
+                .map_or_else(Vec::new, |deformable| deformable.rest().to_vec()),
+        }
+    }
+
+    /// Control points of a body are on both sides of a plane.
+    pub(super) fn is_crossed(&self, body: usize, plane: &CutPlane) -> bool {
+        let mut sides = [false; 2];
+        let mut see = |point: &Point3| sides[usize::from(plane.height(point) > 0.0)] = true;
+        match &self.last[body] {
+            Some(frame) => frame.points.iter().for_each(&mut see),
+            None => (self.newest[body].points.iter()).for_each(|&point| see(&point.into())),
+        }
+        sides == [true; 2]
     }
 
     /// By body.

@@ -4,17 +4,20 @@ use super::answers::reply_to_call;
 use super::desk::Desk;
 use super::edit::Edits;
 use super::events::Events;
+use super::knives;
 use super::link::LoopLink;
+use super::nets::Nets;
 use super::post::Asked;
 use super::states;
 use crate::drive::archive::{ArchiveNews, ArchiveRequest};
 use crate::drive::editor::Edit;
 use crate::drive::playback::{PlayNews, PlayRequest, PlayerEnd};
-use palpate_geometry::math::{Point3, Rotation};
-use palpate_proto::messages::{ControlNet, EventKind, LoopState};
-use palpate_proto::rpc::{Answer, Call};
+use palpate_geometry::cut::CutPlane;
+use palpate_geometry::math::{Point3, Rotation, Vector3};
+use palpate_proto::messages::{EventKind, LoopState};
+use palpate_proto::rpc::{Answer, Call, PlaneArgument};
 use palpate_sim::scene::Scene;
-use palpate_sim::tick::record::Command;
+use palpate_sim::tick::record::{Command, TickOutput};
 use std::sync::Arc;
 use zenoh::bytes::ZBytes;
 
@@ -34,7 +37,9 @@ pub(super) struct Parties<'a> {
     pub events: &'a mut Events,
     pub edits: &'a mut Edits,
     pub scene: &'a Arc<Scene>,
-    pub nets: &'a [ControlNet],
+    pub nets: &'a Nets,
+    /// The newest tick that was published.
+    pub newest: &'a TickOutput,
 }
 
 impl Rpc {
@@ -164,6 +169,20 @@ impl Rpc {
                     .edits
                     .ask(id, parties.scene, parties.nets, edit, &bodies)
             }
+            Call::Cut {
+                body,
+                plane,
+                tool,
+                kerf,
+            } => {
+                let edit = Edit::Cut {
+                    plane: plane_of(plane, tool.as_deref(), parties)?,
+                    kerf_m: kerf,
+                };
+                parties
+                    .edits
+                    .ask(id, parties.scene, parties.nets, edit, &[body])
+            }
             // Seek and rate; what is for the loop has gone there.
             _ => Err(format!(
                 "{method} is for recordings that are played (`palpate play`); this is a live scene"
@@ -274,6 +293,27 @@ pub(crate) fn loop_command(call: &Call, scene: &Scene) -> Option<Result<Command,
         } => sent(scene, body, position, orientation.as_deref(), *seconds),
         _ => return None,
     })
+}
+
+/// By which plane a call cuts: one that is given, or that of a tool where it is now.
+fn plane_of(
+    plane: Option<PlaneArgument>,
+    tool: Option<&str>,
+    parties: &Parties<'_>,
+) -> Result<CutPlane, String> {
+    match (plane, tool) {
+        (Some(PlaneArgument { point, normal }), None) => {
+            CutPlane::through(&point.into(), &Vector3::from(normal)).ok_or_else(|| {
+                format!("the plane's normal {normal:?} has no direction, or its point {point:?} is out of reach")
+            })
+        }
+        (None, Some(id)) => knives::plane_now(parties.scene, id, parties.newest),
+        _ => Err(
+            "cut takes a plane or a tool that is one: {\"plane\": {\"point\": [0, 0, 0.02], \"normal\": [0, 0, 1]}, \
+             \"body\": \"jelly\"} or {\"tool\": \"knife\", \"body\": \"jelly\"}"
+                .into(),
+        ),
+    }
 }
 
 /// The command that sends a body to a place.

@@ -157,10 +157,16 @@ impl LoopTally {
         })
     }
 
-    /// Counts the ticks that are done, and tells what changed.
-    pub(super) fn poll(&mut self, scene: &Scene, events: &mut Events) {
+    /// Counts the ticks that are done, and tells what changed; `see` gets each of them.
+    pub(super) fn poll(
+        &mut self,
+        scene: &Scene,
+        events: &mut Events,
+        mut see: impl FnMut(&TickRecord),
+    ) {
         while let Ok(record) = self.records.pop() {
             self.count(&record, scene, events);
+            see(&record);
         }
     }
 

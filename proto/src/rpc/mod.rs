@@ -172,6 +172,27 @@ calls! {
         /// How far the wall may be from where both are equally deep, m; 1e-4 of the smaller body's size if absent.
         tolerance: Option<f64> = None, 1e-12..=1e3;
     }
+    /// A body that deforms, cut by a plane: its pieces are bodies.
+    "cut" => Cut {
+        /// Id of the body.
+        body: String => "\"jelly\"";
+        /// By which plane, in the world; this or `tool`.
+        plane: Option<PlaneArgument> = None;
+        /// Id of a tool whose shape is a plane: it cuts where it is.
+        tool: Option<String> = None;
+        /// Width of what is lost in the cut, m.
+        kerf: f64 = 0.0, 0.0..=1.0;
+    }
+}
+
+/// A plane in the world: `{"point": [0, 0, 0.02], "normal": [0, 0, 1]}`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlaneArgument {
+    /// A point of it, m.
+    pub point: [f64; 3],
+    /// Across it, of any length; it points to what is above.
+    pub normal: [f64; 3],
 }
 
 impl Call {
@@ -419,6 +440,22 @@ mod tests {
         assert!(error("merge", "{\"tolerance\": 0}").contains("tolerance of merge is 0"));
         assert!(error("snapshot", "{\"before\": -1}").contains("before of snapshot is -1"));
         assert!(
+            error("cut", "{\"body\": \"a\", \"kerf\": -1e-4}").contains("kerf of cut is -0.0001")
+        );
+        for plane in [
+            "{\"point\": [0, 0, 0]}",
+            "{\"point\": [0, 0], \"normal\": [0, 0, 1]}",
+            "{\"point\": [0, 0, null], \"normal\": [0, 0, 1]}",
+            "{\"point\": [0, 0, 1e999], \"normal\": [0, 0, 1]}",
+            "{\"point\": [0, 0, 0], \"normal\": [0, 0, 1], \"width\": 1}",
+        ] {
+            let error = error("cut", &format!("{{\"body\": \"a\", \"plane\": {plane}}}"));
+            assert!(
+                error.contains("the arguments of cut do not parse"),
+                "{error}"
+            );
+        }
+        assert!(
             error("seek", "")
                 .contains("seek needs its argument \"tick\", for example {\"tick\": 1500}")
         );
@@ -457,6 +494,21 @@ mod tests {
             Call::Truncate {
                 bodies: bodies(),
                 tolerance: Some(1e-5),
+            },
+            Call::Cut {
+                body: "a".into(),
+                plane: Some(PlaneArgument {
+                    point: [0.0, 0.01, 0.02],
+                    normal: [0.0, 0.0, 2.0],
+                }),
+                tool: None,
+                kerf: 1e-4,
+            },
+            Call::Cut {
+                body: "a".into(),
+                plane: None,
+                tool: Some("knife".into()),
+                kerf: 0.0,
             },
         ];
         for call in calls {

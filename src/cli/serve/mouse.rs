@@ -80,6 +80,7 @@ pub fn add(loaded: &mut Loaded, radius: Option<f64>) -> anyhow::Result<()> {
         friction: None,
         grip: Default::default(),
         fixes_nodes: false,
+        action: None,
     });
     Ok(())
 }

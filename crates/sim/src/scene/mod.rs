@@ -25,7 +25,7 @@ mod surface;
 mod tool;
 
 pub use build::inline_files;
-pub use change::{Origin, SceneChange};
+pub use change::{Matter, Origin, SceneChange};
 pub use door::{Place, Problem, SceneError};
 pub use findings::{Finding, FindingKind};
 pub(crate) use free::Free;
@@ -39,10 +39,12 @@ use crate::haptics::{DeviceBounds, DeviceFigures, StiffnessLimits};
 use crate::solve::rows::{Holder, most_rows};
 use palpate_geometry::basis::KnotVector;
 use palpate_geometry::contact::ToolShape;
+use palpate_geometry::cut::CutPlane;
+use palpate_geometry::math::{Point3, Rotation};
 use palpate_geometry::part::PartMesh;
 use palpate_geometry::skin::Skin;
 use palpate_geometry::surface::{Mesh, Surface};
-use spec::{Clock, SceneSpec};
+use spec::{ActionSpec, Clock, SceneSpec};
 
 /// The constant of a simulation: built once, shared, never changed.
 #[derive(Debug)]
@@ -148,6 +150,24 @@ impl Scene {
     /// Name of a tool's shape, as scenes write it.
     pub fn shape_name(&self, tool: usize) -> &'static str {
         self.spec.tools[tool].shape.name()
+    }
+
+    /// True when a tool cuts bodies instead of touching them.
+    pub fn cuts(&self, tool: usize) -> bool {
+        self.spec.tools[tool].action == Some(ActionSpec::Cut)
+    }
+
+    /// The plane of a tool that is one, with its frame at a place; `None` of other shapes.
+    pub fn tool_plane(&self, tool: usize, at: &Point3, turned: &Rotation) -> Option<CutPlane> {
+        match &self.tools[tool].shape {
+            ToolShape::Plane { normal } => CutPlane::through(at, &(turned * normal)),
+            _ => None,
+        }
+    }
+
+    /// Where a tool starts.
+    pub fn tool_start(&self, tool: usize) -> (Point3, Rotation) {
+        self.tools[tool].start
     }
 
     /// A tool's shape as viewers draw it: triangles in the tool's frame, m, counter-clockwise seen

@@ -26,6 +26,15 @@ pub(super) fn check(spec: &SceneSpec, contact: &ContactSpec, at: &At<'_>) -> Opt
             "there is no body {body:?}; pairs are [tool or body, body]"
         ));
     }
+    if spec
+        .tools
+        .iter()
+        .any(|tool| &tool.id == holder && tool.action.is_some())
+    {
+        at.key("pair").refuse(format!(
+            "tool {holder:?} cuts and touches nothing; drop the contact, or the tool's action"
+        ));
+    }
     match (contact.resolution, contact.method) {
         (Some(resolution), ContactMethod::Spheres) => {
             if resolution.iter().any(|n| !(4..=1_000).contains(n)) {
@@ -87,8 +96,11 @@ pub(super) fn build(
     let mut pairs = Vec::new();
     let index = |k: usize| k as u32;
     let deforms = |body: usize| !matches!(bodies[body].model, BodyModel::Rigid);
-    // The tool that carries the frame moves all bodies alike and touches none.
-    for tool in (0..tools.len()).filter(|&tool| frame.is_none_or(|frame| frame.tool != tool)) {
+    // The tool that carries the frame moves all bodies alike and touches none; nor does one that cuts.
+    let touches = |tool: usize| {
+        frame.is_none_or(|frame| frame.tool != tool) && spec.tools[tool].action.is_none()
+    };
+    for tool in (0..tools.len()).filter(|&tool| touches(tool)) {
         // Nor does one that carries a body touch that.
         let carries = |body: &usize| matches!(&bodies[*body].mover, Some(mover) if matches!(mover.by, MovedBy::Tool { tool: by, .. } if by == tool));
         pairs.extend(

@@ -21,6 +21,10 @@ pub(super) fn build(spec: &ToolSpec, at: &At<'_>, dt_s: f64) -> Option<Tool> {
             "only a plane tool can fix nodes; give it the shape plane, or drop fixes_nodes",
         );
     }
+    if spec.action.is_some() && spec.shape.shape().half_space().is_none() {
+        at.key("action")
+            .refuse("only a plane cuts; give the tool the shape plane, or drop action");
+    }
     let ((), (device, limits)) = (coupling?, device?);
     let coupling = &spec.coupling;
     let mut stiffness_n_m = coupling.stiffness_n_m;

@@ -44,7 +44,7 @@ fn the_fastest_way_that_is_moved_depends_on_its_interpolation() {
 
 #[test]
 fn every_problem_names_its_line() {
-    let cases: [(&str, &str); 23] = [
+    let cases: [(&str, &str); 25] = [
         (
             "[loop]\nrate_hz = 0\n",
             "s.toml:2:1: rate_hz is 0; it must be 1 to 10000",
@@ -118,6 +118,14 @@ fn every_problem_names_its_line() {
         (
             "[[tool]]\nid = \"a\"\ngrip = { force_max_n = -1 }\n",
             "s.toml:3:10: force_max_n is -1; it must be 0 or more N (0: it never holds)",
+        ),
+        (
+            "[[tool]]\nid = \"a\"\nshape = { sphere = { radius_m = 0.01 } }\naction = \"cut\"\n",
+            "s.toml:4:1: only a plane cuts; give the tool the shape plane",
+        ),
+        (
+            "[[contact]]\npair = [\"knife\", \"drop\"]\n[[tool]]\nid = \"knife\"\nshape = { plane = { normal = [0, 0, 1] } }\naction = \"cut\"\n",
+            "s.toml:2:1: tool \"knife\" cuts and touches nothing",
         ),
         (
             "[[contact]]\npair = [\"ball\", \"drop\"]\nfriction = { mu = inf }\n",

@@ -80,7 +80,10 @@ fn starting_inside(scene: &Scene, found: &mut Found) {
 
 /// A body that the first touch sends away for ever, or that falls, with nothing that it could meet.
 fn held_by_nothing(scene: &Scene, found: &mut Found) {
-    let floor = (scene.tools.iter()).any(|tool| matches!(tool.shape, ToolShape::Plane { .. }));
+    let is_floor = |tool: usize| {
+        matches!(scene.tools[tool].shape, ToolShape::Plane { .. }) && !scene.cuts(tool)
+    };
+    let floor = (0..scene.tools.len()).any(is_floor);
     if floor || scene.bodies.len() > 1 || scene.spec.gravity.frame.is_some() {
         return;
     }

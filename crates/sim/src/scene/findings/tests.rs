@@ -179,6 +179,14 @@ fn a_body_that_nothing_holds_is_told() {
     );
     let falls = format!("[gravity]\nacceleration = [0.0, 0.0, -9.81]\n{loose}");
     assert!(one(&falls, "body[0]").what.contains("falls for ever"));
+    // A floor holds it; a plane that cuts does not.
+    let plane = "[[tool]]\nid = \"plane\"\nshape = { plane = { normal = [0, 0, 1] } }\n\
+                 pose = { position = [0.0, 0.0, -0.1] }\n";
+    assert_eq!(findings(&format!("{falls}{plane}")), []);
+    let cuts = format!("{falls}{plane}action = \"cut\"\n");
+    assert!(one(&cuts, "body[0]").what.contains("falls for ever"));
+    let touches = |scene: &Scene| scene.pairs.iter().any(|pair| pair.tool() == Some(1));
+    assert!(touches(&built(&format!("{falls}{plane}"))) && !touches(&built(&cuts)));
 }
 
 // A slab cut by a table, a soft ball in another, a rigid one in a soft one: which bodies and how deep.

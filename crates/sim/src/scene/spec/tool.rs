@@ -32,6 +32,18 @@ pub struct ToolSpec {
     /// Of a plane: the nodes behind it at the start never move.
     #[serde(default)]
     pub fixes_nodes: bool,
+    /// Of a plane: what it does when its grab button goes down; it touches nothing then.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub action: Option<ActionSpec>,
+}
+
+/// `action = "cut"`: what a tool does that touches nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
+pub enum ActionSpec {
+    /// It cuts the bodies that deform and that its plane crosses.
+    Cut,
 }
 
 /// `[tool.coupling]`: spring and damper between the device and the proxy.
