@@ -19,12 +19,14 @@ mod measure;
 mod pieces;
 mod regions;
 mod rim;
+mod skin;
 #[cfg(test)]
 mod tests;
 mod triangles;
 
 pub use pieces::{Cap, Cut, Piece, cut_by_plane};
 pub use rim::RimPiece;
+pub use skin::{LEAST_COUNTS, PieceSkin, PieceSkinError, SkinSpec};
 pub use triangles::{CutMesh, CutMeshError, Origin};
 
 use crate::math::{Point3, Vector3};
