@@ -101,6 +101,7 @@ fn skins(
     let skin = |(k, Kept { cut, piece }): (usize, &Kept<'_>)| {
         let spec = SkinSpec {
             counts: counts(rest, cut, *piece),
+            ..SkinSpec::default()
         };
         let skin = timed("surface of a piece", || {
             cut.skin(*piece, rest, &mut |now| standing.at_rest(now), &spec)
