@@ -9,6 +9,7 @@
 
 use super::cells::{Cell, CellGrid};
 use super::elements::continuum::refused_cells;
+use super::mend::mend;
 use super::opposite::{self, Medial};
 use palpate_geometry::math::{Point3, Vector3};
 
@@ -90,6 +91,15 @@ pub fn rings(points: &[Point3], rings: &Rings, layers: usize) -> CellGrid {
 pub fn rings_at_best(points: &[Point3], rings: &Rings, layers: usize) -> CellGrid {
     let build = |medial: &[Point3]| rings_about(medial, points, rings, layers);
     build(&best_medial(points, rings, build))
+}
+
+/// [`rings_at_best`], for a continuum: cells that it would refuse are mended, as far as nodes inside can do that.
+pub fn rings_for_continuum(points: &[Point3], rings: &Rings, layers: usize) -> CellGrid {
+    let mut grid = rings_at_best(points, rings, layers);
+    if refused_cells(&grid) > 0 {
+        mend(&mut grid);
+    }
+    grid
 }
 
 /// The medial curve with which `build` makes the best cells: none folded, none that a continuum

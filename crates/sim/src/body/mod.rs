@@ -36,6 +36,7 @@ mod look_ahead;
 mod material;
 mod matter;
 mod membrane;
+mod mend;
 mod missed;
 mod neighbours;
 pub mod net;

@@ -5,7 +5,7 @@ use crate::body::layers;
 use crate::body::net::Reduced;
 use crate::body::{CellGrid, NodeMap, SomSettings};
 use crate::scene::layout::{is_flat, layout};
-use crate::scene::spec::BuilderSpec;
+use crate::scene::spec::{BuilderSpec, ModelSpec};
 use palpate_geometry::math::Vector3;
 use palpate_geometry::surface::Surface;
 
@@ -102,7 +102,10 @@ fn cells(body: &Inputs<'_>, surface: &Surface) -> Option<(CellGrid, f64)> {
         return Some((grid, volume));
     };
     debug_assert!(count >= 1, "the number of layers was checked");
-    let grid = layers::rings_at_best(points, &shape, count);
+    let grid = match body.spec.model() {
+        ModelSpec::Continuum => layers::rings_for_continuum(points, &shape, count),
+        _ => layers::rings_at_best(points, &shape, count),
+    };
     // An open tube encloses nothing by itself; its cells then say how much it holds.
     let volume = if topology.is_closed() {
         surface.volume().abs()

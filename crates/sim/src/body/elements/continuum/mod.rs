@@ -506,16 +506,26 @@ fn check(grid: &CellGrid, elastic: &[Elastic]) -> Result<(), ContinuumError> {
 
 /// The quality of a cell that is refused for it.
 fn too_distorted(grid: &CellGrid, cell: &Cell) -> Option<f64> {
-    // Positions that are not numbers give the worst quality.
-    let known = |x: f64| if x.is_nan() { f64::NEG_INFINITY } else { x };
-    let rest = RestCell::new(&grid.nodes, cell);
-    let jacobian = known(rest::scaled_jacobian(&grid.nodes, cell, rest.volume).unwrap_or(1.0));
-    let evenness = known(rest.evenness);
+    let [jacobian, evenness] = quality(grid, cell);
     if evenness <= LEAST_EVENNESS {
         Some(jacobian.min(evenness))
     } else {
         (jacobian < LEAST_SCALED_JACOBIAN).then_some(jacobian)
     }
+}
+
+/// Least scaled Jacobian and least share of the volume of a cell; positions that are not numbers give the worst.
+fn quality(grid: &CellGrid, cell: &Cell) -> [f64; 2] {
+    let known = |x: f64| if x.is_nan() { f64::NEG_INFINITY } else { x };
+    let rest = RestCell::new(&grid.nodes, cell);
+    let jacobian = rest::scaled_jacobian(&grid.nodes, cell, rest.volume).unwrap_or(1.0);
+    [known(jacobian), known(rest.evenness)]
+}
+
+/// How good a cell is, relative to the least that [`ContinuumLaw::new`] takes: below 1 it is refused.
+pub(in crate::body) fn worth(grid: &CellGrid, cell: &Cell) -> f64 {
+    let [jacobian, evenness] = quality(grid, cell);
+    (jacobian / LEAST_SCALED_JACOBIAN).min(evenness / LEAST_EVENNESS)
 }
 
 /// How many cells [`ContinuumLaw::new`] would refuse.
