@@ -3,7 +3,7 @@
 //! As in [`untangle`](super::untangle), a node of a bad cell tries the mean of its neighbours and steps along the axes, and takes
 //! the place where the worst of its cells is best. Nodes of the surface stay: they are control points.
 
-use super::cells::{Cell, CellGrid, EDGES};
+use super::cells::{CellGrid, EDGES};
 use super::elements::continuum::worth;
 use palpate_geometry::math::{Point3, Vector3};
 

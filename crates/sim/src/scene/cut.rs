@@ -9,9 +9,10 @@
 use super::Scene;
 use super::change::{Origin, SceneChange, inline, pinned, placement};
 use super::door::SceneError;
-use super::model::material_of;
+use super::model::{layers_of_continuum, material_of};
 use super::spec::{
-    BodySpec, ContactMethod, ContactSpec, FixedSpec, ModelSpec, RefineAuto, RefineSpec, SceneSpec,
+    BodySpec, BuilderSpec, ContactMethod, ContactSpec, FixedSpec, ModelSpec, RefineAuto,
+    RefineSpec, SceneSpec,
 };
 use crate::body::Deformed;
 use palpate_geometry::cut::{
@@ -308,7 +309,8 @@ fn numbered(id: &str, count: usize, spec: &SceneSpec) -> Result<Vec<String>, Sce
     }
 }
 
-/// A piece of a body, which has its model and material.
+/// A piece of a body, which has its model and material: a continuum with fewer layers, or springs instead, where its shape
+/// leaves no other cells.
 fn piece(
     whole: &BodySpec,
     id: &str,
@@ -342,6 +344,13 @@ fn piece(
     });
     body.lattice.refine = RefineSpec::Auto(RefineAuto::None);
     body.lattice.layers = Some(whole.layers());
+    if whole.model() == ModelSpec::Continuum && whole.lattice.builder == BuilderSpec::Layers {
+        match layers_of_continuum(surface, whole.layers()) {
+            Some(layers) => body.lattice.layers = Some(layers),
+            // Springs take cells of any shape.
+            None => body.model = Some(ModelSpec::Lattice),
+        }
+    }
     Ok(body)
 }
 

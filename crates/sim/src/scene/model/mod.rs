@@ -16,6 +16,7 @@ mod part;
 mod rigid;
 mod values;
 
+pub(super) use cells::layers_of_continuum;
 pub use names::ModelSpec;
 pub(super) use values::material_of;
 

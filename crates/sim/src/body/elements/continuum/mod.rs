@@ -529,7 +529,7 @@ pub(in crate::body) fn worth(grid: &CellGrid, cell: &Cell) -> f64 {
 }
 
 /// How many cells [`ContinuumLaw::new`] would refuse.
-pub(in crate::body) fn refused_cells(grid: &CellGrid) -> usize {
+pub(crate) fn refused_cells(grid: &CellGrid) -> usize {
     let refused = |cell: &&Cell| too_distorted(grid, cell).is_some();
     grid.cells.iter().filter(refused).count()
 }
