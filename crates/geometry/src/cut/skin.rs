@@ -15,7 +15,6 @@ mod sections;
 #[cfg(test)]
 mod tests;
 
-
 use super::{Cut, CutMeshError, Origin};
 use crate::math::{MOST_COORDINATE_M, Point3};
 use crate::surface::{Surface, SurfaceError};
@@ -89,7 +88,9 @@ pub enum PieceSkinError {
         counts: [usize; 2],
     },
     /// The surface at rest is another one.
-    #[error("the surface at rest does not have the knots and the net of the surface that was cut: give the same one, moved")]
+    #[error(
+        "the surface at rest does not have the knots and the net of the surface that was cut: give the same one, moved"
+    )]
     Rest,
     /// A hole goes through the piece.
     #[error(
@@ -101,10 +102,14 @@ pub enum PieceSkinError {
         handles: usize,
     },
     /// Rims or faces that touch in a point.
-    #[error("parts of the piece's boundary touch in single points: move or tilt the plane by a thousandth of the size")]
+    #[error(
+        "parts of the piece's boundary touch in single points: move or tilt the plane by a thousandth of the size"
+    )]
     Pinched,
     /// More triangles than allowed.
-    #[error("the piece's boundary takes more than {most} triangles: it is too thin or too rough; move or tilt the plane")]
+    #[error(
+        "the piece's boundary takes more than {most} triangles: it is too thin or too rough; move or tilt the plane"
+    )]
     TooFine {
         /// As allowed.
         most: usize,
@@ -170,20 +175,19 @@ impl Cut {
             rest: if still { own } else { rest },
             matter,
         };
-        let clock = std::time::Instant::now(); let tick = |what: &str| if std::env::var("TICK").is_ok() { eprintln!("   {what} {:.2}", clock.elapsed().as_secs_f64()*1e3) };
         let most = spec.counts[0].max(spec.counts[1]) as f64;
         let edge = (1.0 / (EDGE_COUNTS * most)).clamp(EDGES[0], EDGES[1]);
         let fine = Fine::new(&mut sheets, piece, edge)?;
-        tick("fine"); finite(&fine.corners)?;
+        finite(&fine.corners)?;
         let net = Net::new(&fine)?;
-        tick("net"); let sections = ((spec.counts[1] - 1) / LEAST_STEPS).min(spec.most_creases.max(1) + 1);
+        let sections = ((spec.counts[1] - 1) / LEAST_STEPS).min(spec.most_creases.max(1) + 1);
         let mut sections = Sections::new(&fine, &net, sections)?;
-        tick("sections"); let is_pole = |corner: u32| match fine.corners[corner as usize].origin {
-            Origin::Skin { u, v } => sheets.is_pole([u, v]),
+        let is_tip = |corner: u32| match fine.corners[corner as usize].origin {
+            Origin::Skin { u, v } => sheets.is_tip([u, v]),
             Origin::Cap => false,
         };
-        let (charts, turns) = charts(&fine, &net, &mut sections, &is_pole)?;
-        tick("charts"); let lengths: Vec<f64> = charts.iter().map(|chart| chart.length_m).collect();
+        let (charts, turns) = charts(&fine, &net, &mut sections, &is_tip)?;
+        let lengths: Vec<f64> = charts.iter().map(|chart| chart.length_m).collect();
         let layout = Layout::new(spec.counts, &lengths)?;
         let samples = Sampler {
             sheets,
@@ -193,9 +197,8 @@ impl Cut {
             layout: &layout,
         }
         .all(&charts)?;
-        tick("samples"); let surface = layout.fitted(&samples)?;
-        tick("fit"); let off_m = farthest(&surface, &fine, &charts, &layout);
-        tick("off"); if std::env::var("TICK").is_ok() { eprintln!("   corners {} triangles {}", fine.corners.len(), fine.triangles.len()); }
+        let surface = layout.fitted(&samples)?;
+        let off_m = farthest(&surface, &fine, &charts, &layout);
         Ok(PieceSkin {
             surface,
             off_m,
@@ -304,9 +307,7 @@ fn farthest(surface: &Surface, fine: &Fine, charts: &[Chart], layout: &Layout) -
     for (k, chart) in charts.iter().enumerate() {
         for &(corner, [turn, share]) in &chart.corners {
             let at = [turn, layout.v(k, share)];
-            let was = most;
             most = farther(surface, at, &fine.corners[corner as usize].rest, most);
-            if most > was && std::env::var("WORST").is_ok() { eprintln!("    worst {most:.2e} at {:?} section {k} turn {turn:.3} share {share:.3} {:?}", fine.corners[corner as usize].rest, fine.corners[corner as usize].origin); }
         }
     }
     most

@@ -8,16 +8,17 @@ use crate::math::Vector3;
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
-/// Of the greatest height of a membrane over the section: a pole of the surface this high stays one.
-const KEPT: f64 = 0.85;
-
 /// Of the radius: a pole farther from the centre of a round frame is no place to see it from.
 const MOST_OFF_CENTRE: f64 = 0.6;
 
 /// Times a chart is eased at most, the strain below which it is not, and what of it is left at most where it helps.
-const MOST_EASED: usize = 4;
-const CALM: f64 = 2.2;
+const MOST_EASED: usize = 6;
+const CALM: f64 = 2.4;
 const LEAST_GAIN: f64 = 0.95;
+/// Times in a row that it may not help.
+const MOST_IDLE: usize = 2;
+/// What strain counts for in a chart without a pole at a tip of the surface: the fit rounds the tip.
+const LOST_TIP: f64 = 1.6;
 
 /// Where a section ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,8 +62,7 @@ impl RimTurns {
         let mut passed = 0.0;
         let count = rim.corners.len();
         for k in 0..count {
-            let [p, q] =
-                [k, (k + 1) % count].map(|k| fine.corners[rim.corners[k] as usize].rest);
+            let [p, q] = [k, (k + 1) % count].map(|k| fine.corners[rim.corners[k] as usize].rest);
             passed += (q - p).norm();
             turns.push(offset + passed / rim.length_m);
         }
@@ -74,7 +74,11 @@ impl RimTurns {
     pub fn find(&self, turn: f64) -> (usize, f64) {
         let turn = turn - (turn - self.turns[0]).floor();
         let last = self.turns.len() - 2;
-        let k = self.turns.partition_point(|t| *t <= turn).clamp(1, last + 1) - 1;
+        let k = self
+            .turns
+            .partition_point(|t| *t <= turn)
+            .clamp(1, last + 1)
+            - 1;
         let (a, b) = (self.turns[k], self.turns[k + 1]);
         (k, ((turn - a) / (b - a).max(1e-300)).clamp(0.0, 1.0))
     }
@@ -85,7 +89,7 @@ pub(super) fn charts(
     fine: &Fine,
     net: &Net,
     sections: &mut Sections,
-    is_pole: &dyn Fn(u32) -> bool,
+    is_tip: &dyn Fn(u32) -> bool,
 ) -> Result<(Vec<Chart>, Vec<RimTurns>), PieceSkinError> {
     let (mut charts, mut turns) = (Vec::new(), Vec::new());
     for section in 0..sections.count {
@@ -124,7 +128,7 @@ pub(super) fn charts(
             turns.push(RimTurns::new(fine, &sections.rims[section], offset));
             charts.push(chart);
         } else {
-            charts.push(maker.disc(&harmonic, near, &turns[before], is_pole)?);
+            charts.push(maker.disc(&harmonic, near, &turns[before], is_tip)?);
         }
     }
     Ok((charts, turns))
@@ -206,7 +210,11 @@ impl Maker<'_> {
     fn way_across(&self, near: &Rim, far: &Rim) -> Result<(u32, Vec<f64>), PieceSkinError> {
         let mut at_far = vec![false; self.net.edges.len()];
         far.edges.iter().for_each(|&e| at_far[e as usize] = true);
-        let leaves = |t: u32| self.net.of[t as usize].iter().position(|&e| at_far[e as usize]);
+        let leaves = |t: u32| {
+            self.net.of[t as usize]
+                .iter()
+                .position(|&e| at_far[e as usize])
+        };
         let way = self.way(near.edges[near.edges.len() - 1], &|t| leaves(t).is_some())?;
         let mut steps = self.steps(&way);
         let (last, _) = way[way.len() - 1];
@@ -234,7 +242,7 @@ impl Maker<'_> {
             Ok(self.laid(harmonic, &turns, &levels, steps, None))
         };
         let round_m = 0.5 * (ends[0].length_m + ends[1].length_m);
-        let chart = self.eased(harmonic, made(harmonic)?, round_m, &made)?;
+        let (chart, _) = self.eased(harmonic, made(harmonic)?, round_m, &made)?;
         // That of the chart that was the best, which need not be the last.
         let far = ends[1].corners[0];
         let begin = chart.corners.iter().find(|(corner, _)| *corner == far);
@@ -276,29 +284,49 @@ impl Maker<'_> {
     }
 
     /// By the better of two ways: levels of what flows from the rim to a pole suit what is long away from its rim, a membrane
-    /// in a round frame what is long along it.
+    /// in a round frame what is long along it. The pole is in the middle, or at a tip of the surface.
     fn disc(
         &self,
         harmonic: &Harmonic,
         rim: &Rim,
         rim_turns: &RimTurns,
-        is_pole: &dyn Fn(u32) -> bool,
+        is_tip: &dyn Fn(u32) -> bool,
     ) -> Result<Chart, PieceSkinError> {
-        let (middle, kept) = self.middle(harmonic, is_pole);
-        let flow = |harmonic: &Harmonic| -> Result<Chart, PieceSkinError> {
-            let [turns, levels] = self.flow(harmonic, rim, rim_turns, middle)?;
-            Ok(self.laid(harmonic, &turns, &levels, &[], kept))
+        let numbers = harmonic.unknown.iter().enumerate();
+        let inner = numbers
+            .filter(|(_, row)| **row < FIXED)
+            .map(|(corner, _)| corner as u32);
+        let tips: Vec<u32> = inner.filter(|&corner| is_tip(corner)).collect();
+        let at = |tip: &u32| {
+            let around = |t: &&u32| self.fine.triangles[**t as usize].contains(tip);
+            Some((*self.triangles.iter().find(around)?, Some(*tip)))
         };
-        let membrane = |harmonic: &Harmonic| -> Result<Chart, PieceSkinError> {
-            let [turns, levels] = self.membrane(harmonic, rim, rim_turns, kept);
-            Ok(self.laid(harmonic, &turns, &levels, &[], kept))
-        };
-        let (a, b) = (flow(harmonic)?, membrane(harmonic)?);
+        let mut places = vec![(self.middle(harmonic), None)];
+        places.extend(tips.iter().filter_map(at));
         let round_m = rim.length_m;
-        match self.strain(&a, round_m).mean < self.strain(&b, round_m).mean {
-            true => self.eased(harmonic, a, round_m, &flow),
-            false => self.eased(harmonic, b, round_m, &membrane),
+        let mut best: Option<(f64, Chart)> = None;
+        for (triangle, pole) in places {
+            let flow = |harmonic: &Harmonic| -> Result<Chart, PieceSkinError> {
+                let [turns, levels] = self.flow(harmonic, rim, rim_turns, triangle)?;
+                Ok(self.laid(harmonic, &turns, &levels, &[], pole))
+            };
+            let membrane = |harmonic: &Harmonic| -> Result<Chart, PieceSkinError> {
+                let [turns, levels] = self.membrane(harmonic, rim, rim_turns, pole);
+                Ok(self.laid(harmonic, &turns, &levels, &[], pole))
+            };
+            let (a, b) = (flow(harmonic)?, membrane(harmonic)?);
+            let (chart, strain) =
+                match self.strain(&a, round_m).mean < self.strain(&b, round_m).mean {
+                    true => self.eased(harmonic, a, round_m, &flow)?,
+                    false => self.eased(harmonic, b, round_m, &membrane)?,
+                };
+            let lost = pole.is_none() && !tips.is_empty();
+            let cost = if lost { LOST_TIP * strain } else { strain };
+            if best.as_ref().is_none_or(|(least, _)| cost < *least) {
+                best = Some((cost, chart));
+            }
         }
+        best.map(|(_, chart)| chart).ok_or(PieceSkinError::Pinched)
     }
 
     /// Where the chart is stretched, weights are made smaller and it is made again, as long as that helps (Yoshizawa, Belyaev &
@@ -309,13 +337,12 @@ impl Maker<'_> {
         first: Chart,
         round_m: f64,
         again: &dyn Fn(&Harmonic) -> Result<Chart, PieceSkinError>,
-    ) -> Result<Chart, PieceSkinError> {
+    ) -> Result<(Chart, f64), PieceSkinError> {
         let mut strain = self.strain(&first, round_m);
         let mut factors = vec![1.0; self.net.edges.len()];
-        let mut best = first;
+        let (mut best, mut least, mut idle) = (first, strain.mean, 0);
         for _ in 0..MOST_EASED {
-            if std::env::var("TICK").is_ok() { eprintln!("   {:?} strain {:.2} kept", self.kind, strain.mean); }
-            if strain.mean <= CALM {
+            if least <= CALM || idle == MOST_IDLE {
                 break;
             }
             for &(e, _) in &harmonic.edges {
@@ -323,20 +350,19 @@ impl Maker<'_> {
                 let inside = sides.into_iter().filter(|&t| self.of[t] == self.section);
                 let (count, sum) = inside.fold((0.0, 0.0), |(n, s), t| (n + 1.0, s + strain.of[t]));
                 let factor = &mut factors[e as usize];
-                *factor = (*factor / libm::sqrt((sum / count).max(1e-3))).clamp(1e-6, 1e3);
+                *factor = (*factor / libm::sqrt((sum / count).max(1e-3))).clamp(1e-9, 1e3);
             }
             let Some(eased) = harmonic.reweighted(self.net, &factors) else {
                 break;
             };
             let chart = again(&eased)?;
-            let next = self.strain(&chart, round_m);
-            if std::env::var("TICK").is_ok() { eprintln!("   {:?} next strain {:.2}", self.kind, next.mean); }
-            if next.mean > LEAST_GAIN * strain.mean {
-                break;
+            strain = self.strain(&chart, round_m);
+            idle += 1;
+            if strain.mean < LEAST_GAIN * least {
+                (best, least, idle) = (chart, strain.mean, 0);
             }
-            (best, strain) = (chart, next);
         }
-        Ok(best)
+        Ok((best, least))
     }
 
     fn flow(
@@ -430,8 +456,8 @@ impl Maker<'_> {
         strain
     }
 
-    /// The triangle of the pole: where a membrane that is blown up is highest; and its corner that is a pole already.
-    fn middle(&self, harmonic: &Harmonic, is_pole: &dyn Fn(u32) -> bool) -> (u32, Option<u32>) {
+    /// The triangle where a membrane that is blown up is highest.
+    fn middle(&self, harmonic: &Harmonic) -> u32 {
         let mut source = vec![0.0; harmonic.count];
         for &t in &self.triangles {
             let part = self.fine.area_of(t as usize) / 3.0;
@@ -443,19 +469,15 @@ impl Maker<'_> {
         }
         let mut heights = vec![0.0; self.fine.corners.len()];
         harmonic.solve(self.net, &mut heights, &source, &[]);
-        let most = heights.iter().copied().fold(0.0, f64::max);
-        let kept = |corner: u32| heights[corner as usize] >= KEPT * most && is_pole(corner);
-        let mut best = (false, 0.0, self.triangles[0]);
+        let mut best = (0.0, self.triangles[0]);
         for &t in &self.triangles {
             let corners = self.fine.triangles[t as usize];
             let height: f64 = corners.iter().map(|&c| heights[c as usize]).sum();
-            let pole = corners.iter().any(|&c| kept(c));
-            if (pole, height) > (best.0, best.1) {
-                best = (pole, height, t);
+            if height > best.0 {
+                best = (height, t);
             }
         }
-        let corners = self.fine.triangles[best.2 as usize];
-        (best.2, corners.into_iter().find(|&c| kept(c)))
+        best.1
     }
 
     fn laid(
@@ -479,7 +501,11 @@ impl Maker<'_> {
             Strip {
                 level: corners.iter().sum::<f64>() / 3.0,
                 area: 0.5 * twice,
-                slope: if twice > 0.0 { slope.norm() / twice } else { 0.0 },
+                slope: if twice > 0.0 {
+                    slope.norm() / twice
+                } else {
+                    0.0
+                },
             }
         };
         let lengths = Levels::new(self.triangles.iter().map(strip).collect(), disc);
@@ -554,9 +580,8 @@ impl Bins {
         };
         for (k, one) in laid.iter().enumerate() {
             let range = |d: usize| {
-                let of = |f: fn(f64, f64) -> f64, start| {
-                    one.places.iter().map(|p| p[d]).fold(start, f)
-                };
+                let of =
+                    |f: fn(f64, f64) -> f64, start| one.places.iter().map(|p| p[d]).fold(start, f);
                 let ends = [of(f64::min, f64::INFINITY), of(f64::max, f64::NEG_INFINITY)];
                 let [low, high] = ends.map(|x| (bins.scaled(d, x)).floor() as i64);
                 low..=high.min(low + count as i64)

@@ -18,6 +18,8 @@ const MOST: usize = 200_000;
 /// Places along a line at which its normals are compared, and the cosine between them below which it is an edge.
 const LOOKS: usize = 16;
 const SHARP: f64 = 0.95;
+/// Of the way to the middle: where normals about a pole are looked at.
+const BESIDE: f64 = 1e-3;
 /// Of a parameter's range: how near to a pole a place is at it.
 const AT_POLE: f64 = 1e-9;
 
@@ -134,9 +136,30 @@ impl Sheets<'_> {
         })
     }
 
-    /// All values of a parameter are one place there.
-    pub fn is_pole(&self, uv: [f64; 2]) -> bool {
-        self.vague(uv).is_some()
+    /// The surface at rest has a pole there, and normals around it that differ.
+    pub fn is_tip(&self, uv: [f64; 2]) -> bool {
+        let Some(around) = self.vague(uv) else {
+            return false;
+        };
+        let grid = self.grid();
+        let ends = [0, 1].map(|d| [grid.parameter(d, 0), grid.parameter(d, grid.end(d))]);
+        let along = 1 - around;
+        let [low, high] = ends[along];
+        let inside = uv[along] + BESIDE * (0.5 * (low + high) - uv[along]);
+        let normal = |k: usize| {
+            let [start, end] = ends[around];
+            let turn = start + (end - start) * k as f64 / LOOKS as f64;
+            let at = if around == 0 {
+                [turn, inside]
+            } else {
+                [inside, turn]
+            };
+            let frame = self.rest.frame(at[0], at[1]);
+            let normal = frame.du.cross(&frame.dv);
+            normal.try_normalize(0.0).unwrap_or_else(Vector3::zeros)
+        };
+        let sum: Vector3 = (0..LOOKS).map(normal).sum();
+        sum.norm() < SHARP * LOOKS as f64
     }
 
     /// Mean parameters of places near each other.
@@ -254,7 +277,6 @@ impl Fine {
                 plane_step_m: Some(1.4 * edge * root_m),
             },
         )?;
-        let clock = std::time::Instant::now();if std::env::var("TICK").is_ok() { eprintln!("   triangles {}", made.mesh.triangles.len()); }
         let corner = |(point, origin): (&Point3, &Origin)| match *origin {
             Origin::Skin { u, v } => sheets.on_skin([u, v]),
             Origin::Cap => sheets.on_cap(*point),
@@ -278,7 +300,6 @@ impl Fine {
         fine.divide_at_creases(sheets);
         let longest_m = edge * libm::sqrt(fine.area_m2());
         fine.refine(sheets, longest_m)?;
- if std::env::var("TICK").is_ok() { eprintln!("   after triangles {:.2}", clock.elapsed().as_secs_f64()*1e3); }
         Ok(fine)
     }
 
@@ -327,7 +348,8 @@ impl Fine {
         for _ in 0..MOST_ROUNDS {
             let mut middles: BTreeMap<[u32; 2], u32> = BTreeMap::new();
             for (ends, lies) in self.edges() {
-                let (false, [Some(a), Some(b)]) = (lies == Lies::Cap, ends.map(|k| self.uv(k))) else {
+                let (false, [Some(a), Some(b)]) = (lies == Lies::Cap, ends.map(|k| self.uv(k)))
+                else {
                     continue;
                 };
                 if let Some(share) = self.creases.crossed([a, b]) {
@@ -356,7 +378,11 @@ impl Fine {
             let Some(mut uv) = self.uv(k as u32) else {
                 continue;
             };
-            let value = self.creases.values.iter().find(|t| (uv[d] - **t).abs() <= near);
+            let value = self
+                .creases
+                .values
+                .iter()
+                .find(|t| (uv[d] - **t).abs() <= near);
             if let Some(&value) = value.filter(|t| **t != uv[d]) {
                 uv[d] = value;
                 self.corners[k] = sheets.on_skin(uv);
@@ -439,9 +465,8 @@ impl Fine {
     ) {
         let [a, b, c] = corners;
         let middle = |p: u32, q: u32| middles.get(&[p.min(q), p.max(q)]).copied();
-        let length = |p: u32, q: u32| {
-            (self.corners[p as usize].rest - self.corners[q as usize].rest).norm()
-        };
+        let length =
+            |p: u32, q: u32| (self.corners[p as usize].rest - self.corners[q as usize].rest).norm();
         match [middle(a, b), middle(b, c), middle(c, a)] {
             [None, None, None] => into.push(corners),
             [Some(x), Some(y), Some(z)] => {

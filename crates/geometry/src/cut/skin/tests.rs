@@ -37,7 +37,9 @@ fn knobbly(random: &mut Random) -> Surface {
     let net = ControlNet::new(around, along, points).unwrap();
     let knots_u = KnotVector::periodic_uniform(3, around).unwrap();
     let knots_v = KnotVector::clamped_uniform(3, along).unwrap();
-    Surface::new(knots_u, knots_v, net, None).unwrap().oriented_outward()
+    Surface::new(knots_u, knots_v, net, None)
+        .unwrap()
+        .oriented_outward()
 }
 
 /// The same knots, each control point moved.
@@ -83,7 +85,9 @@ fn farthest_m(made: &PieceSkin, cut: &Cut, above: bool) -> f64 {
     let mut most = 0.0_f64;
     for i in 0..41 {
         for j in 0..40 {
-            let point = made.surface.point(f64::from(i) / 41.0, (f64::from(j) + 0.5) / 40.0);
+            let point = made
+                .surface
+                .point(f64::from(i) / 41.0, (f64::from(j) + 0.5) / 40.0);
             let height = cut.plane.height(&point) * if above { 1.0 } else { -1.0 };
             let foot = solver.closest(&cut.surface, &point);
             // Inside, the cap is as near as the plane is; beyond the plane, the piece is no nearer than it.
@@ -112,7 +116,10 @@ fn a_ball_s_caps_have_their_volume_a_round_rim_and_a_flat_side() {
             },
         )
         .unwrap();
-        for (k, h) in [r * (1.0 - share), r * (1.0 + share)].into_iter().enumerate() {
+        for (k, h) in [r * (1.0 - share), r * (1.0 + share)]
+            .into_iter()
+            .enumerate()
+        {
             let what = format!("ball at {share}, piece {k}");
             let made = at_rest(&cut, k, [24, 24]).unwrap();
             check(&made, PI * h * h * (3.0 * r - h) / 3.0, [24, 24], &what);
@@ -120,10 +127,18 @@ fn a_ball_s_caps_have_their_volume_a_round_rim_and_a_flat_side() {
             let most = 2e-3 * size(&cut.pieces[k]);
             assert!(made.off_m < most, "{what}: off by {:e}", made.off_m);
             let far = farthest_m(&made, &cut, k == 0);
-            assert!(far < made.off_m + 1e-4 * r, "{what}: {far:e} of {:e}", made.off_m);
+            assert!(
+                far < made.off_m + 1e-4 * r,
+                "{what}: {far:e} of {:e}",
+                made.off_m
+            );
             // The rim is the line with three knots; the cap is on one side of it.
             let knots = made.surface.knots_v();
-            let rim = knots.knots().iter().copied().find(|&t| t > 0.0 && knots.multiplicity(t) == 3);
+            let rim = knots
+                .knots()
+                .iter()
+                .copied()
+                .find(|&t| t > 0.0 && knots.multiplicity(t) == 3);
             let rim = rim.unwrap();
             let flat = |v: f64| {
                 (0..40).all(|i| {
@@ -138,7 +153,10 @@ fn a_ball_s_caps_have_their_volume_a_round_rim_and_a_flat_side() {
                 let point = made.surface.point(f64::from(i) / 100.0, rim);
                 let radius = (r * r * (1.0 - share * share)).sqrt();
                 let centre = Point3::from(normal * (share * r));
-                assert!(((point - centre).norm() - radius).abs() < 2e-4 * radius, "{what}");
+                assert!(
+                    ((point - centre).norm() - radius).abs() < 2e-4 * radius,
+                    "{what}"
+                );
                 assert!(cut.plane.height(&point).abs() < 1e-15, "{what}");
             }
         }
@@ -151,7 +169,11 @@ fn check_cut(surface: &Surface, plane: &CutPlane, most: f64, what: &str) {
     let mut sum = 0.0;
     let mut allowed = 0.0;
     for (k, piece) in cut.pieces.iter().enumerate() {
-        let what = format!("{what}, piece {k} of {}, {} caps", cut.pieces.len(), piece.caps.len());
+        let what = format!(
+            "{what}, piece {k} of {}, {} caps",
+            cut.pieces.len(),
+            piece.caps.len()
+        );
         let mut offs = Vec::new();
         for counts in [[16, 16], [24, 24], [36, 36]] {
             let made = at_rest(&cut, k, counts).unwrap();
@@ -164,7 +186,10 @@ fn check_cut(surface: &Surface, plane: &CutPlane, most: f64, what: &str) {
                 assert_eq!(made.rims, piece.rim_count(), "{what}");
             }
         }
-        println!("{what}: off by {:.1e} {:.1e} {:.1e} of the size", offs[0], offs[1], offs[2]);
+        println!(
+            "{what}: off by {:.1e} {:.1e} {:.1e} of the size",
+            offs[0], offs[1], offs[2]
+        );
         assert!(offs[1] < most, "{what}: {offs:?}");
         assert!(offs[2] < offs[0], "{what}: {offs:?}");
     }
@@ -178,16 +203,41 @@ fn ellipsoids_drops_and_rings_are_fitted_to_a_hundredth_and_finer_nets_are_neare
         Point3::new(1.6 * p.x, p.y, 0.7 * p.z)
     });
     let ball_centre = Point3::new(0.005, 0.003, 0.002);
-    check_cut(&stretched, &plane([1.0, 0.7, 0.9], &ball_centre), 1e-2, "ellipsoid");
+    check_cut(
+        &stretched,
+        &plane([1.0, 0.7, 0.9], &ball_centre),
+        1e-2,
+        "ellipsoid",
+    );
     let drop = builtin("teardrop", Some([12, 12]), None).unwrap();
     let middle = drop.centroid().unwrap();
-    check_cut(&drop, &plane([0.1, 0.0, 1.0], &middle), 1e-2, "drop, across");
+    check_cut(
+        &drop,
+        &plane([0.1, 0.0, 1.0], &middle),
+        1e-2,
+        "drop, across",
+    );
     let tip = drop.point(0.0, 1.0);
     let near_tip = Point3::from(tip.coords * 0.93 + middle.coords * 0.07);
-    check_cut(&drop, &plane([0.0, 0.1, 1.0], &near_tip), 1e-2, "drop, near the end");
-    check_cut(&drop, &plane([1.0, 0.2, 0.6], &middle), 1e-2, "drop, obliquely");
+    check_cut(
+        &drop,
+        &plane([0.0, 0.1, 1.0], &near_tip),
+        1e-2,
+        "drop, near the end",
+    );
+    check_cut(
+        &drop,
+        &plane([1.0, 0.2, 0.6], &middle),
+        1e-2,
+        "drop, obliquely",
+    );
     let ring = builtin("torus", None, None).unwrap();
-    check_cut(&ring, &plane([1.0, 0.2, 0.0], &Point3::origin()), 1e-2, "ring, across");
+    check_cut(
+        &ring,
+        &plane([1.0, 0.2, 0.0], &Point3::origin()),
+        1e-2,
+        "ring, across",
+    );
 }
 
 #[test]
@@ -226,7 +276,10 @@ fn a_piece_is_cut_again() {
             let again = at_rest(&second, k, [24, 24]).unwrap();
             let what = format!("cut {normal:?}, piece {k}");
             check(&again, piece.volume_m3, [24, 24], &what);
-            println!("{what}: off by {:.1e} of the size", again.off_m / size(piece));
+            println!(
+                "{what}: off by {:.1e} of the size",
+                again.off_m / size(piece)
+            );
             // The former rim is rounded by the spans of the net.
             assert!(again.off_m < 3e-2 * size(piece), "{what}");
         }
@@ -246,22 +299,35 @@ fn a_deformed_body_s_pieces_are_those_of_a_curved_wall_at_rest() {
     let now = moved(&rest, shear);
     let cut = cut_by_plane(&now, &plane([0.3, 0.2, 1.0], &now.centroid().unwrap())).unwrap();
     for (k, piece) in cut.pieces.iter().enumerate() {
-        let made = cut.skin(k, &rest, &mut |p| back(p), &spec([24, 24])).unwrap();
-        check(&made, piece.volume_m3 / 1.3, [24, 24], &format!("sheared, piece {k}"));
+        let made = cut
+            .skin(k, &rest, &mut |p| back(p), &spec([24, 24]))
+            .unwrap();
+        check(
+            &made,
+            piece.volume_m3 / 1.3,
+            [24, 24],
+            &format!("sheared, piece {k}"),
+        );
         assert!(made.off_m < 1e-2 * size(piece));
     }
     // A bend: a cap's places at rest lie on the wall that the bend makes a plane.
     let bend = |p: &Point3| Point3::new(p.x + 4.0 * p.z * p.z, p.y, p.z);
     let straight = |p: &Point3| Point3::new(p.x - 4.0 * p.z * p.z, p.y, p.z);
-    // The bend of the net is not that of the surface: they differ by a shift along x of what the net's squares differ by.
+    // The bend of a net is not that of its surface: of a fine net, they differ by 2e-5 m.
+    let rest = rest.refined_to(36, 36).unwrap();
     let now = moved(&rest, bend);
     let wall = plane([1.0, 0.1, 0.3], &now.centroid().unwrap());
     let cut = cut_by_plane(&now, &wall).unwrap();
     let mut sum = 0.0;
     let mut off = 0.0;
     for (k, piece) in cut.pieces.iter().enumerate() {
-        let made = cut.skin(k, &rest, &mut |p| straight(p), &spec([24, 24])).unwrap();
-        println!("bent, piece {k}: off by {:.1e} of the size", made.off_m / size(piece));
+        let made = cut
+            .skin(k, &rest, &mut |p| straight(p), &spec([24, 24]))
+            .unwrap();
+        println!(
+            "bent, piece {k}: off by {:.1e} of the size",
+            made.off_m / size(piece)
+        );
         let mut solver = ClosestSolver::new(&rest);
         for i in 0..40 {
             for j in 0..40 {
@@ -269,13 +335,13 @@ fn a_deformed_body_s_pieces_are_those_of_a_curved_wall_at_rest() {
                 let foot = solver.closest(&rest, &point);
                 let height = wall.height(&bend(&point));
                 let far = foot.distance.min(height.abs());
-                assert!(far < made.off_m + 2e-3 * rest.size(), "piece {k}: {far:e}");
+                assert!(far < made.off_m + 5e-4 * rest.size(), "piece {k}: {far:e}");
             }
         }
         sum += made.surface.volume();
         off += made.off_m * made.surface.area();
     }
-    assert!((sum - rest.volume()).abs() < off + 2e-3 * rest.volume());
+    assert!((sum - rest.volume()).abs() < off + 1e-3 * rest.volume());
 }
 
 #[test]
@@ -286,21 +352,37 @@ fn what_has_no_such_surface_is_refused() {
     assert_eq!(refused, PieceSkinError::Handles { handles: 1 });
     let sheet = builtin("sheet", None, None).unwrap();
     let sheet = cut_by_plane(&sheet, &plane([1.0, 0.0, 0.1], &Point3::origin())).unwrap();
-    assert_eq!(at_rest(&sheet, 0, [24, 24]).unwrap_err(), PieceSkinError::Sheet);
+    assert_eq!(
+        at_rest(&sheet, 0, [24, 24]).unwrap_err(),
+        PieceSkinError::Sheet
+    );
     let ball = builtin("sphere", None, None).unwrap();
     let cut = cut_by_plane(&ball, &plane([1.0, 0.2, 0.1], &Point3::origin())).unwrap();
     for counts in [[3, 24], [24, 6], [0, 0], [usize::MAX, 24], [1 << 9, 1 << 9]] {
-        assert_eq!(at_rest(&cut, 0, counts).unwrap_err(), PieceSkinError::Counts { counts });
+        assert_eq!(
+            at_rest(&cut, 0, counts).unwrap_err(),
+            PieceSkinError::Counts { counts }
+        );
     }
     let least = at_rest(&cut, 0, LEAST_COUNTS).unwrap();
     assert!(least.surface.topology().is_closed());
     let missing = at_rest(&cut, 2, [24, 24]).unwrap_err();
     assert_eq!(missing, PieceSkinError::Piece { piece: 2, count: 2 });
-    let other = cut.skin(0, &ring, &mut |p| *p, &spec([24, 24])).unwrap_err();
+    let other = cut
+        .skin(0, &ring, &mut |p| *p, &spec([24, 24]))
+        .unwrap_err();
     assert_eq!(other, PieceSkinError::Rest);
     for bad in [f64::NAN, f64::INFINITY, 1e300] {
-        let lost = cut.skin(0, &ball, &mut |_| Point3::new(0.0, bad, 0.0), &spec([24, 24]));
-        assert!(matches!(lost, Err(PieceSkinError::NotFinite { .. })), "{bad}");
+        let lost = cut.skin(
+            0,
+            &ball,
+            &mut |_| Point3::new(0.0, bad, 0.0),
+            &spec([24, 24]),
+        );
+        assert!(
+            matches!(lost, Err(PieceSkinError::NotFinite { .. })),
+            "{bad}"
+        );
     }
     // All of a cap in one point: some surface or a reason, but no panic.
     let _ = cut.skin(0, &ball, &mut |_| Point3::origin(), &spec([24, 24]));
@@ -311,7 +393,10 @@ fn the_same_cut_gives_the_same_bits() {
     let drop = builtin("teardrop", Some([12, 12]), None).unwrap();
     let cut = || cut_by_plane(&drop, &plane([0.3, 0.1, 1.0], &drop.centroid().unwrap())).unwrap();
     let [a, b] = [cut(), cut()].map(|cut| at_rest(&cut, 0, [24, 24]).unwrap());
-    assert_eq!((a.surface, a.off_m.to_bits()), (b.surface, b.off_m.to_bits()));
+    assert_eq!(
+        (a.surface, a.off_m.to_bits()),
+        (b.surface, b.off_m.to_bits())
+    );
 }
 
 /// Deviations by share of the pieces, and reasons.
@@ -343,7 +428,12 @@ fn planes_everywhere_give_pieces_or_reasons() {
             slow = slow.max(start.elapsed().as_secs_f64());
             match made {
                 Ok(made) => {
-                    check(&made, piece.volume_m3, [24, 24], &format!("cut {k}, piece {p}"));
+                    check(
+                        &made,
+                        piece.volume_m3,
+                        [24, 24],
+                        &format!("cut {k}, piece {p}"),
+                    );
                     offs.push(made.off_m / size(piece));
                 }
                 Err(reason) => reasons.push(reason.to_string()),
@@ -353,10 +443,22 @@ fn planes_everywhere_give_pieces_or_reasons() {
     offs.sort_by(f64::total_cmp);
     let count = offs.len();
     let at = |share: f64| offs[((count - 1) as f64 * share) as usize];
-    println!("{count} pieces, off by {:.1e} (median), {:.1e} (nine in ten), {:.1e} (all) of the size; slowest {:.0} ms",
-        at(0.5), at(0.9), at(1.0), 1e3 * slow);
+    println!(
+        "{count} pieces, off by {:.1e} (median), {:.1e} (nine in ten), {:.1e} (all) of the size; slowest {:.0} ms",
+        at(0.5),
+        at(0.9),
+        at(1.0),
+        1e3 * slow
+    );
     reasons.sort();
-    reasons.chunk_by(|a, b| a == b).for_each(|same| println!("{} × {}", same.len(), same[0]));
+    reasons
+        .chunk_by(|a, b| a == b)
+        .for_each(|same| println!("{} × {}", same.len(), same[0]));
     assert!(at(0.5) < 2e-3 && at(0.9) < 2e-2);
-    assert!(reasons.iter().all(|reason| reason.contains("holes through it")), "{reasons:?}");
+    assert!(
+        reasons
+            .iter()
+            .all(|reason| reason.contains("holes through it")),
+        "{reasons:?}"
+    );
 }
