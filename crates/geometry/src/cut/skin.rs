@@ -28,8 +28,8 @@ pub const LEAST_COUNTS: [usize; 2] = [4, 2 * LEAST_STEPS + 1];
 /// Control points at most.
 const MOST_POINTS: usize = 1 << 16;
 /// Edges of the triangles, of the root of the area: for this many control points, and no longer or shorter than these.
-const EDGE_COUNTS: f64 = 0.85;
-const EDGES: [f64; 2] = [1.0 / 60.0, 1.0 / 18.0];
+const EDGE_COUNTS: f64 = 0.75;
+const EDGES: [f64; 2] = [1.0 / 50.0, 1.0 / 14.0];
 
 /// What a piece's surface shall be like.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -14,11 +14,11 @@ const MOST_OFF_CENTRE: f64 = 0.6;
 /// Times a chart is eased at most, the strain below which it is not, and what of it is left at most where it helps.
 const MOST_EASED: usize = 6;
 const CALM: f64 = 2.4;
-const LEAST_GAIN: f64 = 0.95;
-/// Times in a row that it may not help.
-const MOST_IDLE: usize = 2;
+const LEAST_GAIN: f64 = 0.9;
+/// Above this strain, it is tried once more where it did not help.
+const WILD: f64 = 6.0;
 /// What strain counts for in a chart without a pole at a tip of the surface: the fit rounds the tip.
-const LOST_TIP: f64 = 1.6;
+const LOST_TIP: f64 = 2.5;
 
 /// Where a section ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -301,8 +301,8 @@ impl Maker<'_> {
             let around = |t: &&u32| self.fine.triangles[**t as usize].contains(tip);
             Some((*self.triangles.iter().find(around)?, Some(*tip)))
         };
-        let mut places = vec![(self.middle(harmonic), None)];
-        places.extend(tips.iter().filter_map(at));
+        let mut places: Vec<(u32, Option<u32>)> = tips.iter().filter_map(at).collect();
+        places.push((self.middle(harmonic), None));
         let round_m = rim.length_m;
         let mut best: Option<(f64, Chart)> = None;
         for (triangle, pole) in places {
@@ -325,6 +325,9 @@ impl Maker<'_> {
             if best.as_ref().is_none_or(|(least, _)| cost < *least) {
                 best = Some((cost, chart));
             }
+            if cost <= CALM {
+                break;
+            }
         }
         best.map(|(_, chart)| chart).ok_or(PieceSkinError::Pinched)
     }
@@ -342,7 +345,8 @@ impl Maker<'_> {
         let mut factors = vec![1.0; self.net.edges.len()];
         let (mut best, mut least, mut idle) = (first, strain.mean, 0);
         for _ in 0..MOST_EASED {
-            if least <= CALM || idle == MOST_IDLE {
+            let most_idle = if least > WILD { 2 } else { 1 };
+            if least <= CALM || idle >= most_idle {
                 break;
             }
             for &(e, _) in &harmonic.edges {

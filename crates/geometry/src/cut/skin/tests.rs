@@ -101,6 +101,25 @@ fn farthest_m(made: &PieceSkin, cut: &Cut, above: bool) -> f64 {
     most
 }
 
+/// Of places all over a skin, the share whose normals point inwards: the net is folded there.
+fn folded(made: &PieceSkin, cut: &Cut, above: bool) -> f64 {
+    let mut solver = ClosestSolver::new(&cut.surface);
+    let mut count = 0;
+    for i in 0..50 {
+        for j in 0..50 {
+            let (u, v) = (f64::from(i) / 50.0, (f64::from(j) + 0.5) / 50.0);
+            let point = made.surface.point(u, v);
+            let foot = solver.closest(&cut.surface, &point);
+            let outward = match cut.plane.height(&point).abs() < foot.distance {
+                true => cut.plane.normal * if above { -1.0 } else { 1.0 },
+                false => foot.normal,
+            };
+            count += u32::from(made.surface.normal(u, v).dot(&outward) < 0.0);
+        }
+    }
+    f64::from(count) / 2500.0
+}
+
 #[test]
 fn a_ball_s_caps_have_their_volume_a_round_rim_and_a_flat_side() {
     let r = 0.05;
@@ -184,6 +203,8 @@ fn check_cut(surface: &Surface, plane: &CutPlane, most: f64, what: &str) {
                 allowed += made.off_m * made.surface.area();
                 assert_eq!(made.creases, made.rims, "{what}");
                 assert_eq!(made.rims, piece.rim_count(), "{what}");
+                let folded = folded(&made, &cut, piece.above);
+                assert!(folded < 5e-3, "{what}: {folded} folded");
             }
         }
         println!(
