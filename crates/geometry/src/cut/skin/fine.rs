@@ -7,10 +7,10 @@ use crate::cut::{Cut, Origin};
 use crate::math::{Point3, Vector3};
 use crate::part::Fineness;
 use crate::surface::Surface;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
-/// Of the size: how far the first triangles may be from the surface.
-const TOLERANCE: f64 = 1.5e-2;
+/// Of the size: how far the first triangles may be from the surface; coarse ones may cross where finer ones do not.
+const TOLERANCES: [f64; 3] = [1.5e-2, 4e-3, 1e-3];
 /// Halvings of edges, rounds.
 const MOST_ROUNDS: usize = 12;
 /// Triangles at most.
@@ -269,14 +269,23 @@ impl Fine {
         let cut = sheets.cut;
         let whole = &cut.pieces[piece];
         let root_m = libm::sqrt(whole.skin_area_m2 + whole.cap_area_m2.max(0.0));
-        let made = cut.triangles(
-            piece,
-            &Fineness {
-                tolerance_m: TOLERANCE * root_m,
-                most: MOST,
-                plane_step_m: Some(1.4 * edge * root_m),
-            },
-        )?;
+        let divided = |tolerance: f64| {
+            cut.triangles(
+                piece,
+                &Fineness {
+                    tolerance_m: tolerance * root_m,
+                    most: MOST,
+                    plane_step_m: Some(1.4 * edge * root_m),
+                },
+            )
+        };
+        let mut made = divided(TOLERANCES[0]);
+        for &finer in &TOLERANCES[1..] {
+            if made.is_err() {
+                made = divided(finer);
+            }
+        }
+        let made = made?;
         let corner = |(point, origin): (&Point3, &Origin)| match *origin {
             Origin::Skin { u, v } => sheets.on_skin([u, v]),
             Origin::Cap => sheets.on_cap(*point),
@@ -424,12 +433,13 @@ impl Fine {
                     on_rim[*q as usize] = true;
                 }
             }
+            let alone = self.alone(&edges);
             let mut middles: BTreeMap<[u32; 2], u32> = BTreeMap::new();
             for (ends, lies) in edges {
                 let [p, q] = ends.map(|k| self.corners[k as usize]);
                 let inside = matches!(lies, Lies::Skin | Lies::Cap);
                 let chord = inside && ends.iter().all(|&k| on_rim[k as usize]);
-                if chord || (q.rest - p.rest).norm() > longest_m {
+                if chord || alone.contains(&ends) || (q.rest - p.rest).norm() > longest_m {
                     middles.insert(ends, self.corners.len() as u32);
                     let middle = sheets.between(&[(p, 0.5), (q, 0.5)], lies);
                     self.corners.push(middle);
@@ -444,6 +454,19 @@ impl Fine {
             }
         }
         Ok(())
+    }
+
+    /// Edges of triangles that are a face by themselves.
+    fn alone(&self, edges: &BTreeMap<[u32; 2], Lies>) -> BTreeSet<[u32; 2]> {
+        let mut alone = BTreeSet::new();
+        for &[a, b, c] in &self.triangles {
+            let own = [(a, b), (b, c), (c, a)].map(|(p, q)| [p.min(q), p.max(q)]);
+            let outer = |edge| matches!(edges.get(edge), Some(Lies::Rim | Lies::Crease));
+            if own.iter().all(outer) {
+                alone.extend(own);
+            }
+        }
+        alone
     }
 
     fn split(&mut self, middles: &BTreeMap<[u32; 2], u32>) {

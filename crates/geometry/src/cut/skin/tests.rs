@@ -105,9 +105,9 @@ fn farthest_m(made: &PieceSkin, cut: &Cut, above: bool) -> f64 {
 fn folded(made: &PieceSkin, cut: &Cut, above: bool) -> f64 {
     let mut solver = ClosestSolver::new(&cut.surface);
     let mut count = 0;
-    for i in 0..50 {
-        for j in 0..50 {
-            let (u, v) = (f64::from(i) / 50.0, (f64::from(j) + 0.5) / 50.0);
+    for i in 0..30 {
+        for j in 0..30 {
+            let (u, v) = (f64::from(i) / 30.0, (f64::from(j) + 0.5) / 30.0);
             let point = made.surface.point(u, v);
             let foot = solver.closest(&cut.surface, &point);
             let outward = match cut.plane.height(&point).abs() < foot.distance {
@@ -117,7 +117,7 @@ fn folded(made: &PieceSkin, cut: &Cut, above: bool) -> f64 {
             count += u32::from(made.surface.normal(u, v).dot(&outward) < 0.0);
         }
     }
-    f64::from(count) / 2500.0
+    f64::from(count) / 900.0
 }
 
 #[test]
@@ -427,7 +427,7 @@ fn planes_everywhere_give_pieces_or_reasons() {
     let mut offs = Vec::new();
     let mut reasons: Vec<String> = Vec::new();
     let mut slow = 0.0_f64;
-    for k in 0..120 {
+    for k in 0..110 {
         let body = match k % 5 {
             0 => builtin("teardrop", Some([[8, 8], [12, 12]][k / 5 % 2]), None).unwrap(),
             1 => bent(),
