@@ -180,7 +180,8 @@ impl Cut {
         let fine = Fine::new(&mut sheets, piece, edge)?;
         finite(&fine.corners)?;
         let net = Net::new(&fine)?;
-        let sections = ((spec.counts[1] - 1) / LEAST_STEPS).min(spec.most_creases.max(1) + 1);
+        let sections =
+            ((spec.counts[1] - 1) / LEAST_STEPS).min(spec.most_creases.clamp(1, MOST_POINTS) + 1);
         let mut sections = Sections::new(&fine, &net, sections)?;
         let is_tip = |corner: u32| match fine.corners[corner as usize].origin {
             Origin::Skin { u, v } => sheets.is_tip([u, v]),
