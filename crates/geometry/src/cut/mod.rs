@@ -3,6 +3,7 @@
 //! ```text
 //! n · S − offset, by Bézier pieces ──▶ rectangles in which the curve is nothing or one graph ──▶ regions, loops
 //! regions ──▶ integrals;  loops ──▶ rims in space and in (u, v) ──▶ caps ──▶ pieces ──▶ Brep, triangles
+//! triangles at rest ──▶ sections between rims, laid out ──▶ one closed surface of a piece
 //! ```
 //! The curve is found with certainty: a rectangle is halved until Bernstein coefficients show that it has no zero, or that
 //! the field is monotone across it and has one root at most on each side (Descartes). What stays unclear at a millionth of a

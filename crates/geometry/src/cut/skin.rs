@@ -12,13 +12,15 @@ mod fit;
 mod harmonic;
 mod levels;
 mod sections;
+#[cfg(test)]
+mod tests;
 
 use super::{Cut, CutMeshError, Origin};
 use crate::math::{MOST_COORDINATE_M, Point3};
 use crate::surface::{Surface, SurfaceError};
 use chart::{Chart, Kind, RimTurns, charts};
 use fine::{Corner, Fine, Lies, Sheets};
-use fit::{LEAST_STEPS, Layout, distance};
+use fit::{LEAST_STEPS, Layout, farther};
 use sections::{Net, Rim, Sections};
 
 /// Control points that a net has at least, around and from pole to pole: a disc on each side of a rim.
@@ -26,8 +28,8 @@ pub const LEAST_COUNTS: [usize; 2] = [4, 2 * LEAST_STEPS + 1];
 /// Control points at most.
 const MOST_POINTS: usize = 1 << 16;
 /// Edges of the triangles, of the root of the area: for this many control points, and no longer or shorter than these.
-const EDGE_COUNTS: f64 = 1.2;
-const EDGES: [f64; 2] = [1.0 / 80.0, 1.0 / 24.0];
+const EDGE_COUNTS: f64 = 0.75;
+const EDGES: [f64; 2] = [1.0 / 50.0, 1.0 / 14.0];
 
 /// What a piece's surface shall be like.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,9 +58,9 @@ pub struct PieceSkin {
     /// The farthest that a sample of the piece's boundary at rest is from the surface, m; samples are everywhere, also between
     /// those that were fitted.
     pub off_m: f64,
-    /// Rims that are creases of the surface.
+    /// How many of the rims are creases of the surface.
     pub creases: usize,
-    /// Rims of the piece.
+    /// Rims of the piece, and creases that the surface had and that no rim meets, as those of a former cut.
     pub rims: usize,
 }
 
@@ -166,9 +168,11 @@ impl Cut {
         spec: &SkinSpec,
     ) -> Result<PieceSkin, PieceSkinError> {
         self.check(piece, rest, spec)?;
+        let own = &self.surface;
+        let still = rest.net() == own.net() && rest.weights() == own.weights();
         let mut sheets = Sheets {
             cut: self,
-            rest,
+            rest: if still { own } else { rest },
             matter,
         };
         let most = spec.counts[0].max(spec.counts[1]) as f64;
@@ -176,13 +180,14 @@ impl Cut {
         let fine = Fine::new(&mut sheets, piece, edge)?;
         finite(&fine.corners)?;
         let net = Net::new(&fine)?;
-        let sections = ((spec.counts[1] - 1) / LEAST_STEPS).min(spec.most_creases.max(1) + 1);
+        let sections =
+            ((spec.counts[1] - 1) / LEAST_STEPS).min(spec.most_creases.clamp(1, MOST_POINTS) + 1);
         let mut sections = Sections::new(&fine, &net, sections)?;
-        let is_pole = |corner: u32| match fine.corners[corner as usize].origin {
-            Origin::Skin { u, v } => sheets.is_pole([u, v]),
+        let is_tip = |corner: u32| match fine.corners[corner as usize].origin {
+            Origin::Skin { u, v } => sheets.is_tip([u, v]),
             Origin::Cap => false,
         };
-        let (charts, turns) = charts(&fine, &net, &mut sections, &is_pole)?;
+        let (charts, turns) = charts(&fine, &net, &mut sections, &is_tip)?;
         let lengths: Vec<f64> = charts.iter().map(|chart| chart.length_m).collect();
         let layout = Layout::new(spec.counts, &lengths)?;
         let samples = Sampler {
@@ -281,7 +286,8 @@ impl Sampler<'_, '_> {
         let corners = &self.rims[rim].corners;
         let ends = [corners[k], corners[(k + 1) % corners.len()]];
         let [a, b] = ends.map(|c| self.fine.corners[c as usize]);
-        self.sheets.between(&[(a, 1.0 - t), (b, t)], Lies::Rim)
+        let lies = self.rims[rim].lies;
+        self.sheets.between(&[(a, 1.0 - t), (b, t)], lies)
     }
 
     fn within(&mut self, chart: &Chart, turn: f64, share: f64) -> Corner {
@@ -302,7 +308,7 @@ fn farthest(surface: &Surface, fine: &Fine, charts: &[Chart], layout: &Layout) -
     for (k, chart) in charts.iter().enumerate() {
         for &(corner, [turn, share]) in &chart.corners {
             let at = [turn, layout.v(k, share)];
-            most = most.max(distance(surface, at, &fine.corners[corner as usize].rest));
+            most = farther(surface, at, &fine.corners[corner as usize].rest, most);
         }
     }
     most

@@ -8,8 +8,17 @@ use crate::math::Vector3;
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
-/// Of the greatest height of a membrane over the section: a pole of the surface this high stays one.
-const KEPT: f64 = 0.85;
+/// Of the radius: a pole farther from the centre of a round frame is no place to see it from.
+const MOST_OFF_CENTRE: f64 = 0.6;
+
+/// Times a chart is eased at most, the strain below which it is not, and what of it is left at most where it helps.
+const MOST_EASED: usize = 6;
+const CALM: f64 = 2.4;
+const LEAST_GAIN: f64 = 0.9;
+/// Above this strain, it is tried once more where it did not help.
+const WILD: f64 = 6.0;
+/// What strain counts for in a chart without a pole at a tip of the surface: the fit rounds the tip.
+const LOST_TIP: f64 = 2.5;
 
 /// Where a section ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,7 +89,7 @@ pub(super) fn charts(
     fine: &Fine,
     net: &Net,
     sections: &mut Sections,
-    is_pole: &dyn Fn(u32) -> bool,
+    is_tip: &dyn Fn(u32) -> bool,
 ) -> Result<(Vec<Chart>, Vec<RimTurns>), PieceSkinError> {
     let (mut charts, mut turns) = (Vec::new(), Vec::new());
     for section in 0..sections.count {
@@ -115,14 +124,20 @@ pub(super) fn charts(
             let (far_edge, steps) = maker.way_across(near, &sections.rims[section])?;
             sections.rims[section].end_with(far_edge);
             let ends = [&sections.rims[before], &sections.rims[section]];
-            let (chart, offset) = maker.ring(&harmonic, ends, &turns[before], &steps);
+            let (chart, offset) = maker.ring(&harmonic, ends, &turns[before], &steps)?;
             turns.push(RimTurns::new(fine, &sections.rims[section], offset));
             charts.push(chart);
         } else {
-            charts.push(maker.disc(&harmonic, near, &turns[before], is_pole)?);
+            charts.push(maker.disc(&harmonic, near, &turns[before], is_tip)?);
         }
     }
     Ok((charts, turns))
+}
+
+/// (triangles of the piece), and the mean over the area of a section.
+struct Strain {
+    of: Vec<f64>,
+    mean: f64,
 }
 
 struct Maker<'a> {
@@ -208,28 +223,50 @@ impl Maker<'_> {
         Ok((self.net.of[last as usize][k], steps))
     }
 
-    fn give(&self, values: &mut [f64], rim: &Rim, turns: &RimTurns, offset: f64) {
+    fn give(&self, values: &mut [f64], rim: &Rim, turns: &RimTurns) {
         for (&corner, turn) in rim.corners.iter().zip(&turns.turns) {
-            values[corner as usize] = turn + offset;
+            values[corner as usize] = *turn;
         }
     }
 
+    /// The chart of a ring, and the longitude at which its far rim begins.
     fn ring(
         &self,
         harmonic: &Harmonic,
         ends: [&Rim; 2],
         near: &RimTurns,
         steps: &[f64],
-    ) -> (Chart, f64) {
+    ) -> Result<(Chart, f64), PieceSkinError> {
+        let made = |harmonic: &Harmonic| -> Result<Chart, PieceSkinError> {
+            let [turns, levels] = self.between(harmonic, ends, near, steps);
+            Ok(self.laid(harmonic, &turns, &levels, steps, None))
+        };
+        let round_m = 0.5 * (ends[0].length_m + ends[1].length_m);
+        let (chart, _) = self.eased(harmonic, made(harmonic)?, round_m, &made)?;
+        // That of the chart that was the best, which need not be the last.
+        let far = ends[1].corners[0];
+        let begin = chart.corners.iter().find(|(corner, _)| *corner == far);
+        let begin = begin.map_or(0.0, |(_, [turn, _])| *turn);
+        Ok((chart, begin))
+    }
+
+    /// Turns and levels of a ring.
+    fn between(
+        &self,
+        harmonic: &Harmonic,
+        ends: [&Rim; 2],
+        near: &RimTurns,
+        steps: &[f64],
+    ) -> [Vec<f64>; 2] {
         let nothing = vec![0.0; harmonic.count];
         let mut levels = vec![0.0; self.fine.corners.len()];
         let far_corners = &ends[1].corners;
         far_corners.iter().for_each(|&c| levels[c as usize] = 1.0);
         harmonic.solve(self.net, &mut levels, &nothing, &[]);
         let mut turns = vec![0.0; self.fine.corners.len()];
-        self.give(&mut turns, ends[0], near, 0.0);
+        self.give(&mut turns, ends[0], near);
         let far = RimTurns::new(self.fine, ends[1], 0.0);
-        self.give(&mut turns, ends[1], &far, 0.0);
+        self.give(&mut turns, ends[1], &far);
         harmonic.solve(self.net, &mut turns, &nothing, steps);
         // Turning the far rim by an offset adds that times the level: the one with the least energy.
         let (mut with, mut own) = (0.0, 0.0);
@@ -243,21 +280,106 @@ impl Maker<'_> {
         for (turn, level) in turns.iter_mut().zip(&levels) {
             *turn += offset * level;
         }
-        (self.laid(harmonic, &turns, &levels, steps), offset)
+        [turns, levels]
     }
 
+    /// By the better of two ways: levels of what flows from the rim to a pole suit what is long away from its rim, a membrane
+    /// in a round frame what is long along it. The pole is in the middle, or at a tip of the surface.
     fn disc(
         &self,
         harmonic: &Harmonic,
         rim: &Rim,
         rim_turns: &RimTurns,
-        is_pole: &dyn Fn(u32) -> bool,
+        is_tip: &dyn Fn(u32) -> bool,
     ) -> Result<Chart, PieceSkinError> {
-        let middle = self.middle(harmonic, is_pole);
+        let numbers = harmonic.unknown.iter().enumerate();
+        let inner = numbers
+            .filter(|(_, row)| **row < FIXED)
+            .map(|(corner, _)| corner as u32);
+        let tips: Vec<u32> = inner.filter(|&corner| is_tip(corner)).collect();
+        let at = |tip: &u32| {
+            let around = |t: &&u32| self.fine.triangles[**t as usize].contains(tip);
+            Some((*self.triangles.iter().find(around)?, Some(*tip)))
+        };
+        let mut places: Vec<(u32, Option<u32>)> = tips.iter().filter_map(at).collect();
+        places.push((self.middle(harmonic), None));
+        let round_m = rim.length_m;
+        let mut best: Option<(f64, Chart)> = None;
+        for (triangle, pole) in places {
+            let flow = |harmonic: &Harmonic| -> Result<Chart, PieceSkinError> {
+                let [turns, levels] = self.flow(harmonic, rim, rim_turns, triangle)?;
+                Ok(self.laid(harmonic, &turns, &levels, &[], pole))
+            };
+            let membrane = |harmonic: &Harmonic| -> Result<Chart, PieceSkinError> {
+                let [turns, levels] = self.membrane(harmonic, rim, rim_turns, pole);
+                Ok(self.laid(harmonic, &turns, &levels, &[], pole))
+            };
+            let (a, b) = (flow(harmonic)?, membrane(harmonic)?);
+            let (chart, strain) =
+                match self.strain(&a, round_m).mean < self.strain(&b, round_m).mean {
+                    true => self.eased(harmonic, a, round_m, &flow)?,
+                    false => self.eased(harmonic, b, round_m, &membrane)?,
+                };
+            let lost = pole.is_none() && !tips.is_empty();
+            let cost = if lost { LOST_TIP * strain } else { strain };
+            if best.as_ref().is_none_or(|(least, _)| cost < *least) {
+                best = Some((cost, chart));
+            }
+            if cost <= CALM {
+                break;
+            }
+        }
+        best.map(|(_, chart)| chart).ok_or(PieceSkinError::Pinched)
+    }
+
+    /// Where the chart is stretched, weights are made smaller and it is made again, as long as that helps (Yoshizawa, Belyaev &
+    /// Seidel, *A fast and simple stretch-minimizing mesh parameterization*, 2004): a horn gets its share of the chart.
+    fn eased(
+        &self,
+        harmonic: &Harmonic,
+        first: Chart,
+        round_m: f64,
+        again: &dyn Fn(&Harmonic) -> Result<Chart, PieceSkinError>,
+    ) -> Result<(Chart, f64), PieceSkinError> {
+        let mut strain = self.strain(&first, round_m);
+        let mut factors = vec![1.0; self.net.edges.len()];
+        let (mut best, mut least, mut idle) = (first, strain.mean, 0);
+        for _ in 0..MOST_EASED {
+            let most_idle = if least > WILD { 2 } else { 1 };
+            if least <= CALM || idle >= most_idle {
+                break;
+            }
+            for &(e, _) in &harmonic.edges {
+                let sides = self.net.edges[e as usize].sides.map(|side| side.0 as usize);
+                let inside = sides.into_iter().filter(|&t| self.of[t] == self.section);
+                let (count, sum) = inside.fold((0.0, 0.0), |(n, s), t| (n + 1.0, s + strain.of[t]));
+                let factor = &mut factors[e as usize];
+                *factor = (*factor / libm::sqrt((sum / count).max(1e-3))).clamp(1e-9, 1e3);
+            }
+            let Some(eased) = harmonic.reweighted(self.net, &factors) else {
+                break;
+            };
+            let chart = again(&eased)?;
+            strain = self.strain(&chart, round_m);
+            idle += 1;
+            if strain.mean < LEAST_GAIN * least {
+                (best, least, idle) = (chart, strain.mean, 0);
+            }
+        }
+        Ok((best, least))
+    }
+
+    fn flow(
+        &self,
+        harmonic: &Harmonic,
+        rim: &Rim,
+        rim_turns: &RimTurns,
+        middle: u32,
+    ) -> Result<[Vec<f64>; 2], PieceSkinError> {
         let way = self.way(rim.edges[rim.edges.len() - 1], &|t| t == middle)?;
         let steps = self.steps(&way);
         let mut turns = vec![0.0; self.fine.corners.len()];
-        self.give(&mut turns, rim, rim_turns, 0.0);
+        self.give(&mut turns, rim, rim_turns);
         harmonic.solve(self.net, &mut turns, &vec![0.0; harmonic.count], &steps);
         let mut source = vec![0.0; harmonic.count];
         for corner in self.fine.triangles[middle as usize] {
@@ -267,11 +389,79 @@ impl Maker<'_> {
         }
         let mut levels = vec![0.0; self.fine.corners.len()];
         harmonic.solve(self.net, &mut levels, &source, &[]);
-        Ok(self.laid(harmonic, &turns, &levels, &steps))
+        Ok([turns, levels])
     }
 
-    /// The triangle of the pole: where a membrane that is blown up is highest.
-    fn middle(&self, harmonic: &Harmonic, is_pole: &dyn Fn(u32) -> bool) -> u32 {
+    /// Places in a circle, the rim on it; turns are where rays from the pole meet it.
+    fn membrane(
+        &self,
+        harmonic: &Harmonic,
+        rim: &Rim,
+        rim_turns: &RimTurns,
+        kept: Option<u32>,
+    ) -> [Vec<f64>; 2] {
+        let nothing = vec![0.0; harmonic.count];
+        let mut places = [(); 2].map(|()| vec![0.0; self.fine.corners.len()]);
+        for (&corner, turn) in rim.corners.iter().zip(&rim_turns.turns) {
+            let (sin, cos) = libm::sincos(TAU * turn);
+            places[0][corner as usize] = cos;
+            places[1][corner as usize] = sin;
+        }
+        for place in &mut places {
+            harmonic.solve(self.net, place, &nothing, &[]);
+        }
+        let [mut turns, mut levels] = places;
+        let centre = kept.map(|k| [turns[k as usize], levels[k as usize]]);
+        let near = |c: &[f64; 2]| libm::hypot(c[0], c[1]) <= MOST_OFF_CENTRE;
+        let centre = centre.filter(near).unwrap_or([0.0; 2]);
+        for (x, y) in turns.iter_mut().zip(&mut levels) {
+            (*x, *y) = seen_from(centre, [*x, *y]);
+        }
+        self.give(&mut turns, rim, rim_turns);
+        (rim.corners.iter()).for_each(|&corner| levels[corner as usize] = 0.0);
+        [turns, levels]
+    }
+
+    /// How much the chart is stretched: squares of what a turn and the whole length are in space, by what they should be.
+    fn strain(&self, chart: &Chart, round_m: f64) -> Strain {
+        let mut strain = Strain {
+            of: vec![1.0; self.of.len()],
+            mean: 0.0,
+        };
+        let mut whole = 0.0;
+        for one in &chart.laid {
+            let area = self.fine.area_of(one.triangle as usize);
+            let [a, b, c] = self.fine.rest(one.triangle as usize);
+            let [p, q, r] = one.places;
+            let ([x1, y1], [x2, y2]) = ([q[0] - p[0], q[1] - p[1]], [r[0] - p[0], r[1] - p[1]]);
+            let det = x1 * y2 - x2 * y1;
+            if det == 0.0 {
+                continue;
+            }
+            let along_x = ((b - a) * y2 - (c - a) * y1) / det;
+            let along_y = ((c - a) * x1 - (b - a) * x2) / det;
+            let (round, out) = match self.kind {
+                Kind::Ring => (along_x, along_y),
+                Kind::First | Kind::Last => {
+                    let middle = [0, 1].map(|d| (p[d] + q[d] + r[d]) / 3.0);
+                    let radius = libm::hypot(middle[0], middle[1]).max(1e-12);
+                    let [cos, sin] = middle.map(|x| x / radius);
+                    let round = (along_y * cos - along_x * sin) * (TAU * radius);
+                    (round, along_x * cos + along_y * sin)
+                }
+            };
+            let own = round.norm_squared() / (round_m * round_m)
+                + out.norm_squared() / (chart.length_m * chart.length_m);
+            strain.of[one.triangle as usize] = own;
+            whole += area;
+            strain.mean += area * own;
+        }
+        strain.mean /= whole.max(1e-300);
+        strain
+    }
+
+    /// The triangle where a membrane that is blown up is highest.
+    fn middle(&self, harmonic: &Harmonic) -> u32 {
         let mut source = vec![0.0; harmonic.count];
         for &t in &self.triangles {
             let part = self.fine.area_of(t as usize) / 3.0;
@@ -283,25 +473,25 @@ impl Maker<'_> {
         }
         let mut heights = vec![0.0; self.fine.corners.len()];
         harmonic.solve(self.net, &mut heights, &source, &[]);
-        let most = heights.iter().copied().fold(0.0, f64::max);
-        let highest = |t: u32, kept: bool| {
-            let corners = self.fine.triangles[t as usize];
-            let height = corners.map(|c| heights[c as usize]);
-            let poles = corners.into_iter().zip(height);
-            let poles = poles.filter(|(c, h)| kept && *h >= KEPT * most && is_pole(*c));
-            (poles.count(), height.iter().sum::<f64>())
-        };
-        let mut best = (0, 0.0, self.triangles[0]);
+        let mut best = (0.0, self.triangles[0]);
         for &t in &self.triangles {
-            let (poles, height) = highest(t, true);
-            if (poles, height) > (best.0, best.1) {
-                best = (poles, height, t);
+            let corners = self.fine.triangles[t as usize];
+            let height: f64 = corners.iter().map(|&c| heights[c as usize]).sum();
+            if height > best.0 {
+                best = (height, t);
             }
         }
-        best.2
+        best.1
     }
 
-    fn laid(&self, harmonic: &Harmonic, turns: &[f64], levels: &[f64], steps: &[f64]) -> Chart {
+    fn laid(
+        &self,
+        harmonic: &Harmonic,
+        turns: &[f64],
+        levels: &[f64],
+        steps: &[f64],
+        pole: Option<u32>,
+    ) -> Chart {
         let disc = self.kind != Kind::Ring;
         let strip = |&t: &u32| {
             let corners = self.fine.triangles[t as usize].map(|c| levels[c as usize]);
@@ -323,8 +513,12 @@ impl Maker<'_> {
             }
         };
         let lengths = Levels::new(self.triangles.iter().map(strip).collect(), disc);
+        let from_rim = |corner: u32| match pole == Some(corner) {
+            true => 1.0,
+            false => lengths.share(levels[corner as usize]),
+        };
         let share = |corner: u32| {
-            let from_rim = lengths.share(levels[corner as usize]);
+            let from_rim = from_rim(corner);
             match self.kind {
                 Kind::First => 1.0 - from_rim,
                 Kind::Ring | Kind::Last => from_rim,
@@ -340,9 +534,7 @@ impl Maker<'_> {
             if !disc {
                 return [turn, share(corner)];
             }
-            let radius = 1.0 - lengths.share(levels[corner as usize]);
-            let (sin, cos) = libm::sincos(TAU * turn);
-            [radius * cos, radius * sin]
+            polar(turn, 1.0 - from_rim(corner))
         };
         let lay = |&t: &u32| {
             let ends = self.fine.triangles[t as usize];
@@ -350,7 +542,8 @@ impl Maker<'_> {
             // From its first corner, so that none is a turn away.
             let lifted = |k: usize| {
                 let e = if k == 1 { 0 } else { 2 };
-                let step = steps[self.net.of[t as usize][e] as usize];
+                let step = steps.get(self.net.of[t as usize][e] as usize);
+                let step = step.copied().unwrap_or(0.0);
                 let up = ends[0] < ends[k];
                 turns[ends[k] as usize] + if up { step } else { -step }
             };
@@ -476,6 +669,20 @@ impl Chart {
         }
         best
     }
+}
+
+/// The turn where a ray from a centre through a place meets the unit circle, and the level of the place: 0 on the circle, a
+/// logarithm, so that it rises without end towards the centre.
+fn seen_from(centre: [f64; 2], place: [f64; 2]) -> (f64, f64) {
+    let way = [0, 1].map(|d| place[d] - centre[d]);
+    let length = libm::hypot(way[0], way[1]).max(1e-12);
+    let way = way.map(|x| x / length);
+    let along = centre[0] * way[0] + centre[1] * way[1];
+    let square = 1.0 - centre[0] * centre[0] - centre[1] * centre[1];
+    let reach = libm::sqrt((along * along + square).max(0.0)) - along;
+    let hit = [0, 1].map(|d| centre[d] + reach * way[d]);
+    let level = libm::log(reach.max(1e-12) / length) / TAU;
+    (libm::atan2(hit[1], hit[0]) / TAU, level.max(0.0))
 }
 
 fn polar(turn: f64, radius: f64) -> [f64; 2] {

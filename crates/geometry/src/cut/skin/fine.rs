@@ -1,19 +1,25 @@
 //! Even triangles of a piece's whole boundary, which know where they are at rest.
 
 use super::PieceSkinError;
+use crate::basis::Side as KnotSide;
 use crate::cut::grid::Grid;
 use crate::cut::{Cut, Origin};
 use crate::math::{Point3, Vector3};
 use crate::part::Fineness;
 use crate::surface::Surface;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
-/// Of the size: how far the first triangles may be from the surface.
-const TOLERANCE: f64 = 6e-3;
+/// Of the size: how far the first triangles may be from the surface; coarse ones may cross where finer ones do not.
+const TOLERANCES: [f64; 3] = [1.5e-2, 4e-3, 1e-3];
 /// Halvings of edges, rounds.
 const MOST_ROUNDS: usize = 12;
 /// Triangles at most.
 const MOST: usize = 200_000;
+/// Places along a line at which its normals are compared, and the cosine between them below which it is an edge.
+const LOOKS: usize = 16;
+const SHARP: f64 = 0.95;
+/// Of the way to the middle: where normals about a pole are looked at.
+const BESIDE: f64 = 1e-3;
 /// Of a parameter's range: how near to a pole a place is at it.
 const AT_POLE: f64 = 1e-9;
 
@@ -41,6 +47,8 @@ pub(super) enum Lies {
     Cap,
     /// Between the two.
     Rim,
+    /// Along an edge that the surface has.
+    Crease,
 }
 
 /// Triangles of a piece's boundary.
@@ -50,6 +58,64 @@ pub(super) struct Fine {
     pub triangles: Vec<[u32; 3]>,
     /// (triangles) The cap; `None` on the skin.
     pub caps: Vec<Option<u32>>,
+    creases: Creases,
+}
+
+/// Closed lines of the surface along which it has an edge, such as the rim of a former cut.
+struct Creases {
+    /// The parameter that has these values there, ascending.
+    direction: usize,
+    values: Vec<f64>,
+}
+
+impl Creases {
+    /// Those of the surface at rest.
+    fn of(sheets: &Sheets<'_>) -> Self {
+        let (grid, rest) = (sheets.grid(), sheets.rest);
+        let round = (0..2).find(|&d| grid.wraps[1 - d] && !grid.wraps[d]);
+        let mut creases = Self {
+            direction: round.unwrap_or(0),
+            values: Vec::new(),
+        };
+        if round.is_some() {
+            let knots = [rest.knots_u(), rest.knots_v()][creases.direction];
+            let around = [rest.knots_v(), rest.knots_u()][creases.direction];
+            let inner = knots.spans().map(|k| knots.knots()[k]).skip(1);
+            creases.values = inner
+                .filter(|&t| knots.multiplicity(t) >= knots.degree())
+                .filter(|&t| is_sharp(rest, creases.direction, t, around.domain()))
+                .collect();
+        }
+        creases
+    }
+
+    /// How many are below a place.
+    fn below(&self, [u, v]: [f64; 2]) -> usize {
+        let value = [u, v][self.direction];
+        self.values.partition_point(|t| *t < value)
+    }
+
+    /// The share of the way between two places at which the first is crossed.
+    fn crossed(&self, places: [[f64; 2]; 2]) -> Option<f64> {
+        let [a, b] = places.map(|uv| uv[self.direction]);
+        let crossed = self.values.iter().find(|t| (a - **t) * (b - **t) < 0.0);
+        crossed.map(|t| (t - a) / (b - a))
+    }
+}
+
+/// Normals on both sides of a line differ somewhere.
+fn is_sharp(surface: &Surface, direction: usize, value: f64, (start, end): (f64, f64)) -> bool {
+    (0..LOOKS).any(|k| {
+        let around = start + (end - start) * k as f64 / LOOKS as f64;
+        let [a, b] = [KnotSide::Left, KnotSide::Right].map(|side| {
+            let frame = match direction {
+                0 => surface.frame_from(value, around, side, KnotSide::Right),
+                _ => surface.frame_from(around, value, KnotSide::Right, side),
+            };
+            frame.du.cross(&frame.dv)
+        });
+        a.dot(&b) < SHARP * a.norm() * b.norm()
+    })
 }
 
 impl Sheets<'_> {
@@ -70,9 +136,30 @@ impl Sheets<'_> {
         })
     }
 
-    /// All values of a parameter are one place there.
-    pub fn is_pole(&self, uv: [f64; 2]) -> bool {
-        self.vague(uv).is_some()
+    /// The surface at rest has a pole there, and normals around it that differ.
+    pub fn is_tip(&self, uv: [f64; 2]) -> bool {
+        let Some(around) = self.vague(uv) else {
+            return false;
+        };
+        let grid = self.grid();
+        let ends = [0, 1].map(|d| [grid.parameter(d, 0), grid.parameter(d, grid.end(d))]);
+        let along = 1 - around;
+        let [low, high] = ends[along];
+        let inside = uv[along] + BESIDE * (0.5 * (low + high) - uv[along]);
+        let normal = |k: usize| {
+            let [start, end] = ends[around];
+            let turn = start + (end - start) * k as f64 / LOOKS as f64;
+            let at = if around == 0 {
+                [turn, inside]
+            } else {
+                [inside, turn]
+            };
+            let frame = self.rest.frame(at[0], at[1]);
+            let normal = frame.du.cross(&frame.dv);
+            normal.try_normalize(0.0).unwrap_or_else(Vector3::zeros)
+        };
+        let sum: Vector3 = (0..LOOKS).map(normal).sum();
+        sum.norm() < SHARP * LOOKS as f64
     }
 
     /// Mean parameters of places near each other.
@@ -100,10 +187,16 @@ impl Sheets<'_> {
     /// A place of the skin.
     pub fn on_skin(&self, uv: [f64; 2]) -> Corner {
         let [u, v] = self.grid().reduced(uv);
+        let own = &self.cut.surface;
+        let (wu, wv) = (own.knots_u().window(u), own.knots_v().window(v));
+        let cut = own.point_in(&wu, &wv);
         Corner {
             origin: Origin::Skin { u, v },
-            cut: self.cut.surface.point(u, v),
-            rest: self.rest.point(u, v),
+            cut,
+            rest: match std::ptr::eq(own, self.rest) {
+                true => cut,
+                false => self.rest.point_in(&wu, &wv),
+            },
         }
     }
 
@@ -160,7 +253,7 @@ impl Sheets<'_> {
             sheets.mean(&all)
         };
         match lies {
-            Lies::Skin => self.on_skin(mean(self)),
+            Lies::Skin | Lies::Crease => self.on_skin(mean(self)),
             Lies::Rim => self.on_rim(mean(self)),
             Lies::Cap => {
                 let sum: Vector3 = places.iter().map(|(c, share)| c.cut.coords * *share).sum();
@@ -176,14 +269,23 @@ impl Fine {
         let cut = sheets.cut;
         let whole = &cut.pieces[piece];
         let root_m = libm::sqrt(whole.skin_area_m2 + whole.cap_area_m2.max(0.0));
-        let made = cut.triangles(
-            piece,
-            &Fineness {
-                tolerance_m: TOLERANCE * root_m,
-                most: MOST,
-                plane_step_m: Some(1.4 * edge * root_m),
-            },
-        )?;
+        let divided = |tolerance: f64| {
+            cut.triangles(
+                piece,
+                &Fineness {
+                    tolerance_m: tolerance * root_m,
+                    most: MOST,
+                    plane_step_m: Some(1.4 * edge * root_m),
+                },
+            )
+        };
+        let mut made = divided(TOLERANCES[0]);
+        for &finer in &TOLERANCES[1..] {
+            if made.is_err() {
+                made = divided(finer);
+            }
+        }
+        let made = made?;
         let corner = |(point, origin): (&Point3, &Origin)| match *origin {
             Origin::Skin { u, v } => sheets.on_skin([u, v]),
             Origin::Cap => sheets.on_cap(*point),
@@ -193,6 +295,7 @@ impl Fine {
             corners: corners.collect(),
             triangles: made.mesh.triangles,
             caps: made.caps,
+            creases: Creases::of(sheets),
         };
         for (edge, lies) in fine.edges() {
             if lies == Lies::Rim {
@@ -203,6 +306,7 @@ impl Fine {
                 }
             }
         }
+        fine.divide_at_creases(sheets);
         let longest_m = edge * libm::sqrt(fine.area_m2());
         fine.refine(sheets, longest_m)?;
         Ok(fine)
@@ -222,18 +326,93 @@ impl Fine {
         (0..self.triangles.len()).map(|t| self.area_of(t)).sum()
     }
 
+    fn uv(&self, corner: u32) -> Option<[f64; 2]> {
+        match self.corners[corner as usize].origin {
+            Origin::Skin { u, v } => Some([u, v]),
+            Origin::Cap => None,
+        }
+    }
+
+    /// Equal for triangles of one cap, and for those of the skin between the same creases.
+    pub fn label(&self, triangle: usize) -> u32 {
+        if let Some(cap) = self.caps[triangle] {
+            return cap;
+        }
+        let places = self.triangles[triangle].map(|k| self.uv(k).unwrap_or([0.0; 2]));
+        let mean = [0, 1].map(|d| places.iter().map(|uv| uv[d]).sum::<f64>() / 3.0);
+        u32::MAX - self.creases.below(mean) as u32
+    }
+
+    /// Divides triangles of the skin along the creases that no rim meets; of others nothing is known from here on.
+    fn divide_at_creases(&mut self, sheets: &mut Sheets<'_>) {
+        let edges = self.edges();
+        let direction = self.creases.direction;
+        for (ends, lies) in &edges {
+            let places = ends.map(|k| self.uv(k).map(|uv| uv[direction]));
+            if let ([Some(a), Some(b)], Lies::Rim) = (places, lies) {
+                self.creases.values.retain(|t| (a - t) * (b - t) > 0.0);
+            }
+        }
+        self.snap(sheets);
+        for _ in 0..MOST_ROUNDS {
+            let mut middles: BTreeMap<[u32; 2], u32> = BTreeMap::new();
+            for (ends, lies) in self.edges() {
+                let (false, [Some(a), Some(b)]) = (lies == Lies::Cap, ends.map(|k| self.uv(k)))
+                else {
+                    continue;
+                };
+                if let Some(share) = self.creases.crossed([a, b]) {
+                    middles.insert(ends, self.corners.len() as u32);
+                    let mut middle = sheets.mean(&[(a, 1.0 - share), (b, share)]);
+                    let value = middle[direction];
+                    let near = |x: &&f64| (**x - value).abs();
+                    let own = self.creases.values.iter();
+                    let own = own.min_by(|x, y| near(x).total_cmp(&near(y)));
+                    middle[direction] = own.copied().unwrap_or(value);
+                    self.corners.push(sheets.on_skin(middle));
+                }
+            }
+            if middles.is_empty() {
+                break;
+            }
+            self.split(&middles);
+        }
+    }
+
+    /// Puts corners that are as good as on a crease onto it.
+    fn snap(&mut self, sheets: &Sheets<'_>) {
+        let (grid, d) = (sheets.grid(), self.creases.direction);
+        let near = AT_POLE * (grid.parameter(d, grid.end(d)) - grid.parameter(d, 0));
+        for k in 0..self.corners.len() {
+            let Some(mut uv) = self.uv(k as u32) else {
+                continue;
+            };
+            let value = self
+                .creases
+                .values
+                .iter()
+                .find(|t| (uv[d] - **t).abs() <= near);
+            if let Some(&value) = value.filter(|t| **t != uv[d]) {
+                uv[d] = value;
+                self.corners[k] = sheets.on_skin(uv);
+            }
+        }
+    }
+
     /// Each edge once, with what it runs through.
     fn edges(&self) -> BTreeMap<[u32; 2], Lies> {
-        let mut seen: Vec<([u32; 2], bool)> = Vec::with_capacity(3 * self.triangles.len());
+        let mut seen: Vec<([u32; 2], bool, u32)> = Vec::with_capacity(3 * self.triangles.len());
         for (t, &[a, b, c]) in self.triangles.iter().enumerate() {
+            let label = self.label(t);
             for (p, q) in [(a, b), (b, c), (c, a)] {
-                seen.push(([p.min(q), p.max(q)], self.caps[t].is_some()));
+                seen.push(([p.min(q), p.max(q)], self.caps[t].is_some(), label));
             }
         }
         seen.sort_unstable();
-        let lies = |group: &[([u32; 2], bool)]| {
+        let lies = |group: &[([u32; 2], bool, u32)]| {
             let caps = group.iter().filter(|side| side.1).count();
             let lies = match caps {
+                0 if group[0].2 != group[group.len() - 1].2 => Lies::Crease,
                 0 => Lies::Skin,
                 n if n == group.len() => Lies::Cap,
                 _ => Lies::Rim,
@@ -249,16 +428,18 @@ impl Fine {
             let edges = self.edges();
             let mut on_rim = vec![false; self.corners.len()];
             for ([p, q], lies) in &edges {
-                if *lies == Lies::Rim {
+                if matches!(lies, Lies::Rim | Lies::Crease) {
                     on_rim[*p as usize] = true;
                     on_rim[*q as usize] = true;
                 }
             }
+            let alone = self.alone(&edges);
             let mut middles: BTreeMap<[u32; 2], u32> = BTreeMap::new();
             for (ends, lies) in edges {
                 let [p, q] = ends.map(|k| self.corners[k as usize]);
-                let chord = lies != Lies::Rim && ends.iter().all(|&k| on_rim[k as usize]);
-                if chord || (q.rest - p.rest).norm() > longest_m {
+                let inside = matches!(lies, Lies::Skin | Lies::Cap);
+                let chord = inside && ends.iter().all(|&k| on_rim[k as usize]);
+                if chord || alone.contains(&ends) || (q.rest - p.rest).norm() > longest_m {
                     middles.insert(ends, self.corners.len() as u32);
                     let middle = sheets.between(&[(p, 0.5), (q, 0.5)], lies);
                     self.corners.push(middle);
@@ -273,6 +454,19 @@ impl Fine {
             }
         }
         Ok(())
+    }
+
+    /// Edges of triangles that are a face by themselves.
+    fn alone(&self, edges: &BTreeMap<[u32; 2], Lies>) -> BTreeSet<[u32; 2]> {
+        let mut alone = BTreeSet::new();
+        for &[a, b, c] in &self.triangles {
+            let own = [(a, b), (b, c), (c, a)].map(|(p, q)| [p.min(q), p.max(q)]);
+            let outer = |edge| matches!(edges.get(edge), Some(Lies::Rim | Lies::Crease));
+            if own.iter().all(outer) {
+                alone.extend(own);
+            }
+        }
+        alone
     }
 
     fn split(&mut self, middles: &BTreeMap<[u32; 2], u32>) {

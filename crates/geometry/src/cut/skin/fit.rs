@@ -10,6 +10,9 @@ const END_SPAN: f64 = 1.5;
 const SAMPLES: usize = 3;
 /// Lines of samples for each control point around.
 const LINES: usize = 2;
+/// Places in each direction from which a foot is looked for, and how far apart in v the farthest are.
+const AROUND: usize = 8;
+const BESIDE: f64 = 0.2;
 /// Of the cubics.
 const DEGREE: usize = 3;
 
@@ -165,10 +168,29 @@ fn places(spans: usize) -> Vec<f64> {
     places
 }
 
+/// How far a point is from a surface near a place, unless that is no more than what is known: then about it.
+pub(super) fn farther(surface: &Surface, at: [f64; 2], point: &Point3, known: f64) -> f64 {
+    let mut best = distance(surface, at, point);
+    // Steps may go astray at poles and creases: from places around it, most find the foot.
+    for k in 0..AROUND * AROUND {
+        if best <= known {
+            break;
+        }
+        let (i, j) = (k / AROUND, k % AROUND);
+        let shift = |k: usize| k as f64 / AROUND as f64 - 0.5;
+        let from = [
+            at[0] + shift(j),
+            (at[1] + BESIDE * shift(i)).clamp(0.0, 1.0),
+        ];
+        best = best.min(distance(surface, from, point));
+    }
+    known.max(best)
+}
+
 /// How far a point is from a surface, by a few steps of Newton's method from a place: no less than the least distance.
-pub(super) fn distance(surface: &Surface, mut at: [f64; 2], point: &Point3) -> f64 {
+fn distance(surface: &Surface, mut at: [f64; 2], point: &Point3) -> f64 {
     let mut best = f64::INFINITY;
-    for _ in 0..3 {
+    for _ in 0..4 {
         let frame = surface.frame(at[0] - at[0].floor(), at[1]);
         let off = point - frame.point;
         let length = off.norm();

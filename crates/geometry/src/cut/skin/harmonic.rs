@@ -60,7 +60,18 @@ impl Harmonic {
                 )
             })
             .collect();
-        let mut matrix = SymmetricTriplets::new(count as usize);
+        Self::of(net, edges, unknown, count as usize)
+    }
+
+    /// The same with weights by their edges' factors (edges of the net).
+    pub fn reweighted(&self, net: &Net, factors: &[f64]) -> Option<Self> {
+        let edges = self.edges.iter();
+        let edges = edges.map(|&(e, weight)| (e, weight * factors[e as usize]));
+        Self::of(net, edges.collect(), self.unknown.clone(), self.count)
+    }
+
+    fn of(net: &Net, edges: Vec<(u32, f64)>, unknown: Vec<u32>, count: usize) -> Option<Self> {
+        let mut matrix = SymmetricTriplets::new(count);
         for &(e, weight) in &edges {
             let [a, b] = net.edges[e as usize].ends.map(|k| unknown[k as usize]);
             for k in [a, b] {
@@ -75,7 +86,7 @@ impl Harmonic {
         Some(Self {
             edges,
             unknown,
-            count: count as usize,
+            count,
             factor: (count > 0).then(|| Cholesky::new(&matrix).ok())??,
         })
     }

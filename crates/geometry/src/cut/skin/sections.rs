@@ -4,7 +4,7 @@
 //! hangs on a face of the path goes with it, so that the first and the last section are discs, those between them rings.
 
 use super::PieceSkinError;
-use super::fine::Fine;
+use super::fine::{Fine, Lies};
 
 /// Of the whole area: smaller sections are no sections of their own, if there are others.
 const LEAST_SHARE: f64 = 4e-3;
@@ -115,6 +115,8 @@ pub(super) struct Rim {
     pub edges: Vec<u32>,
     pub corners: Vec<u32>,
     pub length_m: f64,
+    /// Between skin and cap, or along a crease of the skin.
+    pub lies: Lies,
 }
 
 /// Faces joined to a chain.
@@ -131,8 +133,9 @@ pub(super) struct Sections {
 impl Sections {
     /// At most `most` of them, at least two.
     pub fn new(fine: &Fine, net: &Net, most: usize) -> Result<Self, PieceSkinError> {
+        let labels: Vec<u32> = (0..fine.triangles.len()).map(|t| fine.label(t)).collect();
         let differ = |edge: &Edge| {
-            let [a, b] = edge.sides.map(|side| fine.caps[side.0 as usize]);
+            let [a, b] = edge.sides.map(|side| labels[side.0 as usize]);
             a != b
         };
         let (faces, count) = net.parts(|edge| !differ(edge));
@@ -210,11 +213,16 @@ fn rims(fine: &Fine, net: &Net, faces: &[u32]) -> Result<Vec<Rim>, PieceSkinErro
             edges: Vec::new(),
             corners: Vec::new(),
             length_m: 0.0,
+            lies: Lies::Crease,
         };
         let mut at = start;
         while let Some((edge, to)) = next[at as usize].take() {
             if pairs[at as usize] != rim.faces {
                 return Err(PieceSkinError::Pinched);
+            }
+            let sides = net.edges[edge as usize].sides.map(|side| side.0 as usize);
+            if sides.into_iter().any(|t| fine.caps[t].is_some()) {
+                rim.lies = Lies::Rim;
             }
             rim.edges.push(edge);
             rim.corners.push(at);
