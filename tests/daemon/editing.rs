@@ -58,11 +58,11 @@ fn call(method: &str, names: &[&str], more: &str) -> Call {
     Call::parse(method, arguments.as_bytes()).unwrap()
 }
 
-fn refused(palpate: &Palpate, call: Call) -> String {
+pub fn refused(palpate: &Palpate, call: Call) -> String {
     palpate.call(call).unwrap_err().to_string()
 }
 
-fn ids(palpate: &Palpate) -> Vec<String> {
+pub fn ids(palpate: &Palpate) -> Vec<String> {
     palpate
         .scene()
         .unwrap()
@@ -84,7 +84,7 @@ fn net(palpate: &Palpate, id: &str) -> Vec<[f64; 3]> {
 }
 
 /// A file replays bit for bit, and begins where the one before it ended.
-fn replays(path: &Path, after: u64) -> (Session, u64) {
+pub fn replays(path: &Path, after: u64) -> (Session, u64) {
     let session = Session::open(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
     assert!(
         session.is_clean() && session.gaps() == 0,
