@@ -1,4 +1,4 @@
-//! Scenes edited while they run: merge and isolate, asked for by a client, under a tool that
+//! Scenes edited while they run: merge, isolate and truncate, asked for by a client, under a tool that
 //! presses, recorded and replayed.
 
 use palpate::recording::{Session, replay};
@@ -141,6 +141,9 @@ fn bodies_are_moved_apart_and_merged_under_a_tool_and_each_part_of_the_recording
             "{p:?} {q:?}"
         );
     }
+    // The sheet is pressed as before, though no tick has run since.
+    let lowest = |points: Vec<[f64; 3]>| points.iter().map(|p| p[2]).fold(0.0, f64::min);
+    assert!(lowest(net(session.palpate(), "left")) < -1e-3);
     press(&mut session, &mut pen, 200);
     // Once more there is nothing to do: no other scene, no other file.
     let again = session.palpate().call(apart).unwrap();
