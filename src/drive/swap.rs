@@ -8,7 +8,7 @@ use super::nets::NetPool;
 use super::ports::{BUS_NETS, NetEnd, NetPort, net_ports};
 use super::workers::Workers;
 use palpate_sim::scene::{Origin, Scene};
-use palpate_sim::tick::{SceneState, Scratch};
+use palpate_sim::tick::{CarryOver, SceneState, Scratch};
 use std::sync::Arc;
 
 /// A scene on its way into the loop; on its way back, the one before.
@@ -18,20 +18,21 @@ pub struct Swap {
     scene: Arc<Scene>,
     state: SceneState,
     scratch: Scratch,
-    origins: Vec<Origin>,
+    carry: CarryOver,
     pub(super) nets: NetPool,
     pub(super) net_port: NetPort,
     pub(super) journal: Box<dyn Journal>,
 }
 
 impl Swap {
-    /// Makes all that the loop needs for another scene with the same tools, whose bodies come from
-    /// `origins`; the other ends of its nets are for the bus.
+    /// Makes all that the loop needs for another scene with the same tools, whose bodies come from those of the old one as
+    /// `origins` says; the other ends of its nets are for the bus.
     ///
     /// # Errors
     /// The system refuses a thread for bodies that step apart.
     pub fn new(
         id: u64,
+        old: &Scene,
         scene: Arc<Scene>,
         origins: Vec<Origin>,
         journal: Box<dyn Journal>,
@@ -41,6 +42,7 @@ impl Swap {
         if let Some(workers) = Workers::start(&scene)? {
             scratch.set_pipeline(Box::new(workers));
         }
+        let carry = CarryOver::new(old, &scene, origins);
         let nets = NetPool::new(&scene, BUS_NETS + journal.nets_held());
         let (net_port, ends) = net_ports(&scene);
         Ok((
@@ -49,7 +51,7 @@ impl Swap {
                 scene,
                 state,
                 scratch,
-                origins,
+                carry,
                 nets,
                 net_port,
                 journal,
@@ -71,7 +73,8 @@ impl Swap {
         state: &mut SceneState,
         scratch: &mut Scratch,
     ) {
-        self.scene.carry_over(state, &self.origins, &mut self.state);
+        self.scene
+            .carry_over(scene, state, &self.carry, &mut self.state);
         self.scene.prepare(&self.state, &mut self.scratch);
         std::mem::swap(scene, &mut self.scene);
         std::mem::swap(state, &mut self.state);

@@ -37,7 +37,7 @@ pub(super) fn cut(
     })?;
     let surfaces: Vec<Surface> = skins.iter().map(|skin| skin.surface.clone()).collect();
     let change = timed("the scene of the pieces", || {
-        SceneChange::cut(scene, body, &surfaces)
+        SceneChange::cut(scene, body, &surfaces, share_kept(&cuts, &kept))
     })
     .map_err(|e| e.to_string())?;
     let ids = (change.spec.bodies.iter().map(|body| body.id.as_str()))
@@ -93,7 +93,7 @@ fn skins(
 ) -> Result<Vec<PieceSkin>, String> {
     let id = scene.body_id(body);
     let rest = scene.rest_surface(body);
-    let (Some(rest), Some(mut matter)) = (rest, scene.matter(body, coordinates)) else {
+    let (Some(rest), Some(standing)) = (rest, scene.standing(body, coordinates)) else {
         return Err(format!(
             "where the matter of {id:?} is at rest is not known"
         ));
@@ -101,9 +101,10 @@ fn skins(
     let skin = |(k, Kept { cut, piece }): (usize, &Kept<'_>)| {
         let spec = SkinSpec {
             counts: counts(rest, cut, *piece),
+            ..SkinSpec::default()
         };
         let skin = timed("surface of a piece", || {
-            cut.skin(*piece, rest, &mut |now| matter.at_rest(now), &spec)
+            cut.skin(*piece, rest, &mut |now| standing.at_rest(now), &spec)
         });
         skin.map_err(|e| format!("piece {} of {id:?}: {e}", k + 1))
     };
@@ -127,9 +128,20 @@ fn counts(rest: &Surface, cut: &Cut, piece: usize) -> [usize; 2] {
 /// What was in the kerf, m³.
 fn lost_m3(cuts: &[Cut], kept: &[Kept<'_>]) -> f64 {
     let [first, _] = cuts else { return 0.0 };
-    let whole: f64 = first.pieces.iter().map(|piece| piece.volume_m3).sum();
     let left: f64 = (kept.iter().map(|kept| kept.piece().volume_m3)).sum();
-    whole - left
+    whole_m3(first) - left
+}
+
+fn whole_m3(cut: &Cut) -> f64 {
+    cut.pieces.iter().map(|piece| piece.volume_m3).sum()
+}
+
+/// The share of the body that is left: 1 without a kerf.
+fn share_kept(cuts: &[Cut], kept: &[Kept<'_>]) -> f64 {
+    match cuts {
+        [first, _] => 1.0 - lost_m3(cuts, kept) / whole_m3(first),
+        _ => 1.0,
+    }
 }
 
 impl Kept<'_> {

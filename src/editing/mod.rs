@@ -180,8 +180,8 @@ fn carry_out(job: &EditJob, changes: &SceneChanges) -> Result<EditNews, String> 
     let text = toml::to_string(&next.spec).map_err(|e| e.to_string())?;
     let scene_hash = sha2::Sha256::digest(text.as_bytes()).into();
     let journal = changes.journal(&next, &what).map_err(|e| e.to_string())?;
-    let (swap, nets) =
-        Swap::new(*id, next, change.origins, Box::new(journal)).map_err(|e| e.to_string())?;
+    let (swap, nets) = Swap::new(*id, scene, next, change.origins, Box::new(journal))
+        .map_err(|e| e.to_string())?;
     Ok(EditNews::Ready {
         swap: Box::new(swap),
         nets,

@@ -6,11 +6,12 @@ use crate::counting::allocations;
 use palpate::drive::journal::NoJournal;
 use palpate::drive::swap::Swap;
 use palpate_geometry::math::Vector3;
+use palpate_sim::body::DeformableState;
 use palpate_sim::haptics::DevicePose;
 use palpate_sim::scene::spec::FixedSpec;
 use palpate_sim::scene::{Origin, Scene, SceneChange, file};
-use palpate_sim::tick::SceneState;
 use palpate_sim::tick::record::{TickInput, TickRecord};
+use palpate_sim::tick::{CarryOver, SceneState};
 use palpate_sim::tick::{step, step_into};
 use std::path::Path;
 use std::sync::Arc;
@@ -89,7 +90,12 @@ fn a_moved_body_takes_its_state_along_and_the_others_stay_bit_for_bit() {
     assert!(change.fits(&old, &new));
     let before = press(&old, 600);
     let mut after = new.initial_state();
-    new.carry_over(&before, &change.origins, &mut after);
+    new.carry_over(
+        &old,
+        &before,
+        &CarryOver::new(&old, &new, change.origins),
+        &mut after,
+    );
     assert_eq!(after.tick, 600);
     assert_eq!(after.tools[0].link, before.tools[0].link);
     let lattice = |state: &SceneState, body: usize| state.bodies[body].deformable.clone().unwrap();
@@ -218,7 +224,8 @@ fn a_running_loop_takes_the_next_scene_over_without_a_gap_or_an_allocation() {
     assert!(force_n > 0.0);
     let change = SceneChange::moved(&scene, &[(2, Vector3::new(0.0, 0.0, -0.05))]).unwrap();
     let next = Arc::new(rebuilt(&change));
-    let (mut swap, _nets) = Swap::new(1, next, change.origins, Box::new(NoJournal)).unwrap();
+    let (mut swap, _nets) =
+        Swap::new(1, &scene, next, change.origins, Box::new(NoJournal)).unwrap();
     let mut jump_n = f64::INFINITY;
     let count = allocations(|| {
         swap.exchange(&mut scene, &mut state, &mut scratch);
@@ -273,7 +280,7 @@ pose = { position = [0.5, 0.0, 0.0] }
                     SceneChange::moved(&scene, &[(1, Vector3::new(0.0, 0.1, 0.0))]).unwrap();
                 let next = Arc::new(rebuilt(&change));
                 let (mut swap, _nets) =
-                    Swap::new(1, next, change.origins, Box::new(NoJournal)).unwrap();
+                    Swap::new(1, &scene, next, change.origins, Box::new(NoJournal)).unwrap();
                 swap.exchange(&mut scene, &mut state, &mut scratch);
             }
         }
@@ -286,5 +293,77 @@ pose = { position = [0.5, 0.0, 0.0] }
     );
     for tick in 40..44 {
         assert_eq!(run(Some(tick)), undisturbed, "changed after tick {tick}");
+    }
+}
+
+/// A body that is in one piece: what it had, it has, to rounding, and goes on with.
+#[test]
+fn a_piece_that_is_the_whole_body_goes_on_as_it_was() {
+    const CLAY: &str = r#"
+[[body]]
+id = "ball"
+surface = { builtin = "sphere", size = 0.02 }
+lattice = { layers = 3, refine = "none" }
+spin_rad_s = [0.0, 20.0, 5.0]
+velocity_m_s = [0.1, 0.0, -0.2]
+MODEL
+[[tool]]
+id = "pen"
+shape = { sphere = { radius_m = 0.005 } }
+pose = { position = [0.0, 0.0, 0.5] }
+"#;
+    let plastic = "plastic = { yield_strain = 0.001, rate_per_s = 50.0 }";
+    for model in [
+        format!("model = \"continuum\"\nmaterial = {{ {plastic} }}"),
+        format!("model = \"lattice\"\nmaterial = {{ {plastic} }}"),
+        "model = \"net\"".to_owned(),
+    ] {
+        let mut old = Arc::new(scene(&CLAY.replace("MODEL", &model)));
+        let mut state = old.initial_state();
+        let mut scratch = old.scratch(&state);
+        for _ in 0..100 {
+            step(&old, &mut state, &mut scratch, &TickInput::default());
+        }
+        let before = state.bodies[0].deformable.clone().unwrap();
+        let whole = old.rest_surface(0).unwrap().clone();
+        let change = SceneChange::cut(&old, 0, &[whole], 1.0).unwrap();
+        assert_eq!(change.spec.bodies[0].id, "ball-1");
+        let new = Arc::new(rebuilt(&change));
+        let (mut swap, _nets) =
+            Swap::new(1, &old, new, change.origins, Box::new(NoJournal)).unwrap();
+        let count = allocations(|| swap.exchange(&mut old, &mut state, &mut scratch));
+        assert_eq!(count, 0);
+        let after = state.bodies[0].deformable.as_ref().unwrap();
+        let apart = before
+            .positions
+            .iter()
+            .zip(&after.positions)
+            .map(|(a, b)| (a - b).norm());
+        // Flat tetrahedra are left out: beside them shares are those of neighbours.
+        let farthest = apart.fold(0.0, f64::max);
+        assert!(farthest < 1e-12, "{model}: {farthest:e}");
+        let slower = before
+            .velocities
+            .iter()
+            .zip(&after.velocities)
+            .map(|(a, b)| (a - b).norm());
+        let slower = slower.fold(0.0, f64::max);
+        assert!(slower < 1e-9, "{model}: {slower:e}");
+        let flowed = |state: &DeformableState| state.plastic_strain.as_flattened().to_vec();
+        assert_eq!(flowed(&before).len(), flowed(after).len());
+        if model.contains("plastic") {
+            assert!(
+                flowed(&before).iter().any(|strain| *strain > 0.0),
+                "{model}: nothing flowed"
+            );
+        }
+        let most = flowed(&before)
+            .into_iter()
+            .zip(flowed(after))
+            .map(|(a, b)| (a - b).abs());
+        println!(
+            "{model}: {farthest:e} m, {slower:e} m/s, flow {:e}",
+            most.fold(0.0, f64::max)
+        );
     }
 }

@@ -26,7 +26,7 @@ mod triangles;
 
 pub use pieces::{Cap, Cut, Piece, cut_by_plane};
 pub use rim::RimPiece;
-pub use skin::{PieceSkin, PieceSkinError, SkinSpec};
+pub use skin::{LEAST_COUNTS, PieceSkin, PieceSkinError, SkinSpec};
 pub use triangles::{CutMesh, CutMeshError, Origin};
 
 use crate::math::{Point3, Vector3};

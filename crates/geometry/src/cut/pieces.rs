@@ -267,6 +267,11 @@ impl Grouping<'_> {
 }
 
 impl Cut {
+    /// The surface's parameters.
+    pub(super) fn grid(&self) -> &Grid {
+        &self.places.grid
+    }
+
     pub(super) fn point(&self, uv: [f64; 2]) -> Point3 {
         let [u, v] = self.places.grid.reduced(uv);
         self.surface.point(u, v)

@@ -237,7 +237,7 @@ impl Surface {
 
 /// Least squares for lines of points at fixed parameters; the ends of a clamped line stay where
 /// they are.
-struct LineFit {
+pub(crate) struct LineFit {
     blending: Blending,
     pinned: usize,
     normal: Option<Cholesky>,
@@ -251,7 +251,8 @@ const RIDGE: f64 = 1e-13;
 const REFINEMENTS: usize = 4;
 
 impl LineFit {
-    fn new(knots: &KnotVector, parameters: &[f64]) -> Self {
+    /// Every span needs its parameters.
+    pub fn new(knots: &KnotVector, parameters: &[f64]) -> Self {
         let blending = Blending::new(knots, parameters);
         let pinned = usize::from(!knots.is_periodic());
         let free = knots.count() - 2 * pinned;
@@ -278,7 +279,7 @@ impl LineFit {
     }
 
     /// Lines one after the other, each (parameters) → each (control points).
-    fn apply(&self, lines: &[Vector3]) -> Vec<Vector3> {
+    pub fn apply(&self, lines: &[Vector3]) -> Vec<Vector3> {
         let (given, count) = (self.blending.rows(), self.blending.columns());
         let mut out = Vec::with_capacity(lines.len() / given * count);
         let mut missed = vec![Vector3::zeros(); given];

@@ -54,6 +54,7 @@ pub use closest::{ClosestPoint, ClosestSolver, Summit, WarmFoot};
 pub use cloud_fit::CloudSpec;
 pub use curve::{Curve, CurveError};
 pub use file::FileError;
+pub(crate) use grid_fit::LineFit;
 pub use grid_fit::{FitError, Fitted, GridSpec};
 pub use joints::{Joints, Patch};
 pub use lines::Direction;

@@ -25,7 +25,7 @@ mod surface;
 mod tool;
 
 pub use build::inline_files;
-pub use change::{Matter, Origin, SceneChange};
+pub use change::{Origin, SceneChange};
 pub use door::{Place, Problem, SceneError};
 pub use findings::{Finding, FindingKind};
 pub(crate) use free::Free;

@@ -1,15 +1,57 @@
 //! What goes on when one scene becomes another between two ticks.
 
 use super::state::SceneState;
+use crate::body::{Motion, Transfer};
 use crate::contact::PairState;
 use crate::scene::{Origin, Scene};
 use palpate_geometry::math::Vector3;
 
+/// Where the bodies of a scene come from, and what those need that are pieces of another.
+#[derive(Debug)]
+pub struct CarryOver {
+    /// By body.
+    origins: Vec<Origin>,
+    /// By body; none but of pieces.
+    transfers: Vec<Option<Transfer>>,
+    /// Bodies of the old scene that are in pieces now.
+    cut: Vec<usize>,
+}
+
+impl CarryOver {
+    /// From one scene to another, whose bodies come from `origins`.
+    pub fn new(old: &Scene, new: &Scene, origins: Vec<Origin>) -> Self {
+        debug_assert_eq!(origins.len(), new.bodies.len(), "an origin a body");
+        let transfer = |(body, origin): (usize, &Origin)| match *origin {
+            Origin::Piece { from } => Transfer::new(old.deformable(from)?, new.deformable(body)?),
+            Origin::Kept { .. } | Origin::New => None,
+        };
+        let transfers = origins.iter().enumerate().map(transfer).collect();
+        let from = |origin: &Origin| match *origin {
+            Origin::Piece { from } => Some(from),
+            Origin::Kept { .. } | Origin::New => None,
+        };
+        let mut cut: Vec<usize> = origins.iter().filter_map(from).collect();
+        cut.dedup();
+        Self {
+            origins,
+            transfers,
+            cut,
+        }
+    }
+}
+
 impl Scene {
-    /// Fills the state of this scene with what the old one goes on with: time, tools, and the
-    /// bodies it shares with it. Contacts begin anew. `state` is an initial state of this scene;
-    /// nothing is allocated.
-    pub fn carry_over(&self, from: &SceneState, origins: &[Origin], state: &mut SceneState) {
+    /// Fills the state of this scene with what the old one goes on with: time, tools, the bodies it shares with it, and the
+    /// matter of those that are in pieces now. Contacts begin anew. `state` is an initial state of this scene; nothing is
+    /// allocated.
+    pub fn carry_over(
+        &self,
+        old: &Scene,
+        from: &SceneState,
+        carry: &CarryOver,
+        state: &mut SceneState,
+    ) {
+        let origins = &carry.origins;
         debug_assert_eq!(origins.len(), self.bodies.len(), "an origin a body");
         (state.tick, state.run, state.quality) = (from.tick, from.run, from.quality);
         state.faulted = from.faulted;
@@ -46,6 +88,9 @@ impl Scene {
             }
             new.revision = revision;
         }
+        for &body in &carry.cut {
+            self.carry_pieces(old, from, carry, body, state);
+        }
         for (new, old) in state.tools.iter_mut().zip(&from.tools) {
             *new = *old;
             // It held on to places of a body that may be no more.
@@ -53,5 +98,36 @@ impl Scene {
         }
         state.pairs.fill(PairState::default());
         state.warm.forget();
+    }
+    /// Has the pieces of a body go on with its motion: with all of its momentum and angular momentum.
+    fn carry_pieces(
+        &self,
+        old: &Scene,
+        from: &SceneState,
+        carry: &CarryOver,
+        body: usize,
+        state: &mut SceneState,
+    ) {
+        let (Some(whole), Some(was)) = (old.deformable(body), &from.bodies[body].deformable) else {
+            return;
+        };
+        let is_of = |piece: &usize| carry.origins[*piece] == Origin::Piece { from: body };
+        let pieces = || (0..self.bodies.len()).filter(is_of);
+        let (mut before, mut after) = (Motion::default(), Motion::default());
+        before.add(whole, was);
+        for piece in pieces() {
+            let parts = (self.deformable(piece)).zip(state.bodies[piece].deformable.as_mut());
+            if let (Some((part, now)), Some(transfer)) = (parts, &carry.transfers[piece]) {
+                transfer.carry([whole, part], was, now);
+                after.add(part, now);
+            }
+        }
+        let missing = after.missing(&before);
+        for piece in pieces() {
+            let parts = (self.deformable(piece)).zip(state.bodies[piece].deformable.as_mut());
+            if let Some((part, now)) = parts {
+                missing.add_to(part, now);
+            }
+        }
     }
 }

@@ -30,6 +30,7 @@ pub use crate::party::{
     BodyScratch, BodyState, Course, Flight, Pipeline, RigidMotion, RigidState, Sent, ToolState,
 };
 pub use crate::report::explain;
+pub use carry_over::CarryOver;
 pub use frame::FrameState;
 pub use late::late_step;
 pub use scratch::Scratch;

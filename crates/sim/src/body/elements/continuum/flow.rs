@@ -13,6 +13,7 @@ use super::kernel::{CellBlock, ROWS, at, modes, rows_of, slopes};
 use super::{ContinuumLaw, Points};
 use crate::body::material::Plastic;
 use crate::body::node_map::SparseRows;
+use crate::body::transfer::Bins;
 use palpate_geometry::math::lanes::{Baseline, Lanes};
 use palpate_geometry::math::{Lane, Matrix3, Point3, Vector3};
 
@@ -294,7 +295,74 @@ fn store(metrics: &mut [Lane], lane: usize, cell: usize, s: &Matrix3) {
     }
 }
 
+/// How the flow of a solid goes on in another of the same matter: each point takes over that of the nearest.
+#[derive(Debug)]
+pub(in crate::body) struct CellCarry {
+    /// Numbers of a point and of the one that it follows, and what takes a metric from there to here.
+    points: Vec<(usize, usize, Matrix3)>,
+}
+
+impl CellCarry {
+    /// From one solid to another; both at rest in the world.
+    pub(in crate::body) fn new(from: &ContinuumLaw, to: &ContinuumLaw) -> Self {
+        let [from, to] = [from, to].map(ContinuumLaw::points_at_rest);
+        let volume = |frame: &Matrix3| frame.determinant().abs();
+        let largest = from
+            .iter()
+            .map(|point| volume(&point.2))
+            .fold(0.0, f64::max);
+        // Points of a cell are closer than its edges.
+        let side_m = (2.0 * libm::cbrt(largest)).max(f64::MIN_POSITIVE);
+        let bins = Bins::new(side_m, from.iter().map(|point| point.1));
+        let nearest = |(number, place, frame): &(usize, Point3, Matrix3)| {
+            let mut best = (f64::INFINITY, None);
+            bins.around(place, |k| {
+                let away = (from[k].1 - place).norm_squared();
+                if away < best.0 {
+                    best = (away, Some(k));
+                }
+            });
+            let (other, _, old) = &from[best.1?];
+            Some((*number, *other, frame.try_inverse()? * old))
+        };
+        Self {
+            points: to.iter().filter_map(nearest).collect(),
+        }
+    }
+
+    /// Carries metrics and plastic strains over; points with nothing near stay as they are.
+    pub(in crate::body) fn carry(
+        &self,
+        (metrics, strains): (&[Lane], &[Lane]),
+        (to, amounts): (&mut [Lane], &mut [Lane]),
+    ) {
+        for (number, other, map) in &self.points {
+            let (lane, cell) = (number / 4, number % 4);
+            let (from, of) = (other / 4, other % 4);
+            // Cp⁻¹ is the same tensor in both: J₀ S J₀ᵀ.
+            let metric = map * load(metrics, from, of) * map.transpose();
+            let first = load(to, lane, cell);
+            store(to, lane, cell, &even(&metric, &first));
+            amounts[lane][cell] = strains[from][of];
+        }
+    }
+}
+
 impl ContinuumLaw {
+    /// Each point's number (4 × its lane + its cell), its place at rest, m, and J₀ = ∂x/∂ξ there.
+    fn points_at_rest(&self) -> Vec<(usize, Point3, Matrix3)> {
+        let rest: Vec<Lane> = self.rest.iter().map(|p| [p.x, p.y, p.z, 0.0]).collect();
+        let places = self.places_of_points();
+        let mut frames = vec![Matrix3::zeros(); 4 * self.blocks.len() * self.point_count()];
+        self.each_point(&rest, &mut |lane, cell, _, frame| {
+            frames[4 * lane + cell] = *frame
+        });
+        let each = places
+            .into_iter()
+            .map(|(number, place)| (number, place, frames[number]));
+        each.collect()
+    }
+
     /// Points at which a cell is integrated.
     pub(super) fn point_count(&self) -> usize {
         match self.points {

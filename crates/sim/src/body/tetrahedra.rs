@@ -1,0 +1,228 @@
+//! Cells as tetrahedra: which of them holds a place, and where in it.
+
+use super::cells::Cell;
+use palpate_geometry::math::{Matrix3, Point3, Vector3};
+
+/// Corners of the six tetrahedra of a cell, all around its diagonal: those of cells that lie in rows fit together.
+const SIX: [[usize; 4]; 6] = [
+    [0, 4, 6, 7],
+    [0, 4, 5, 7],
+    [0, 2, 6, 7],
+    [0, 2, 3, 7],
+    [0, 1, 5, 7],
+    [0, 1, 3, 7],
+];
+/// Volume relative to the cube of the longest edge below which a tetrahedron is flat.
+const FLAT: f64 = 1e-9;
+/// Shares below 0 that are rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// Nodes and their shares of a place: they add up to one, and give any affine motion exactly.
+pub(super) type Shares = [(u32, f64); 4];
+
+/// Tetrahedra between nodes.
+#[derive(Debug)]
+pub(super) struct Tetrahedra {
+    all: Vec<Tetrahedron>,
+    /// Of the box around them.
+    low: Point3,
+    /// Of a bin, m.
+    side_m: f64,
+    counts: [usize; 3],
+    /// By bin: tetrahedra whose boxes reach into it.
+    bins: Vec<Vec<u32>>,
+}
+
+#[derive(Debug)]
+struct Tetrahedron {
+    nodes: [u32; 4],
+    first: Point3,
+    /// Rows: how the shares of the last three nodes grow, 1/m.
+    slopes: Matrix3,
+    /// Of the share of each node, m: from the face opposite to it to the node.
+    heights_m: [f64; 4],
+    middle: Point3,
+    radius_m: f64,
+}
+
+impl Tetrahedron {
+    fn new(nodes: [u32; 4], points: &[Point3]) -> Option<Self> {
+        let corner = nodes.map(|node| points[node as usize]);
+        let edges = Matrix3::from_columns(&[1, 2, 3].map(|k| corner[k] - corner[0]));
+        let longest = (edges.column_iter().map(|edge| edge.norm())).fold(0.0, f64::max);
+        if edges.determinant().abs() <= FLAT * longest * longest * longest {
+            return None;
+        }
+        let slopes = edges.try_inverse()?;
+        let slope = |k: usize| Vector3::new(slopes[(k, 0)], slopes[(k, 1)], slopes[(k, 2)]);
+        let [b, c, d] = [slope(0), slope(1), slope(2)];
+        let middle = Point3::from(corner.iter().map(|p| p.coords).sum::<Vector3>() / 4.0);
+        let reach = corner.iter().map(|p| (p - middle).norm());
+        Some(Self {
+            nodes,
+            first: corner[0],
+            slopes,
+            heights_m: [-(b + c + d), b, c, d].map(|slope| 1.0 / slope.norm()),
+            middle,
+            radius_m: reach.fold(0.0, f64::max),
+        })
+    }
+
+    fn shares(&self, place: &Point3) -> [f64; 4] {
+        let last = self.slopes * (place - self.first);
+        [1.0 - last.sum(), last.x, last.y, last.z]
+    }
+
+    /// How far outside a place with these shares is: beyond the face that it is farthest from, m.
+    fn outside_m(&self, shares: &[f64; 4]) -> f64 {
+        let beyond = shares.iter().zip(&self.heights_m).map(|(s, h)| -s * h);
+        beyond.fold(f64::NEG_INFINITY, f64::max)
+    }
+}
+
+impl Tetrahedra {
+    /// Of cells between nodes at these places; flat ones are left out. `None` if nothing is left.
+    pub fn new(cells: &[Cell], points: &[Point3]) -> Option<Self> {
+        let six = |cell: &Cell| SIX.map(|corners| corners.map(|corner| cell[corner]));
+        let all: Vec<Tetrahedron> = (cells.iter().flat_map(six))
+            .filter_map(|nodes| Tetrahedron::new(nodes, points))
+            .collect();
+        let ends = |reach: f64| {
+            let each = all
+                .iter()
+                .map(move |t| t.middle + Vector3::repeat(reach * t.radius_m));
+            each.collect::<Vec<_>>()
+        };
+        let low = ends(-1.0).into_iter().reduce(|a, b| a.inf(&b))?;
+        let high = ends(1.0).into_iter().reduce(|a, b| a.sup(&b))?;
+        let sides = high - low;
+        let side_m = libm::cbrt(sides.iter().product::<f64>() * 6.0 / all.len() as f64);
+        let side_m = side_m.max(sides.max() / 256.0);
+        let counts = [0, 1, 2].map(|axis| (sides[axis] / side_m) as usize + 1);
+        let mut tetrahedra = Self {
+            bins: vec![Vec::new(); counts.iter().product()],
+            all: Vec::new(),
+            low,
+            side_m,
+            counts,
+        };
+        for (k, one) in all.iter().enumerate() {
+            let reach = Vector3::repeat(one.radius_m);
+            let [from, to] = [one.middle - reach, one.middle + reach].map(|p| tetrahedra.bin(&p));
+            for x in from[0]..=to[0] {
+                for y in from[1]..=to[1] {
+                    for z in from[2]..=to[2] {
+                        let bin = (x * counts[1] + y) * counts[2] + z;
+                        tetrahedra.bins[bin].push(k as u32);
+                    }
+                }
+            }
+        }
+        tetrahedra.all = all;
+        Some(tetrahedra)
+    }
+
+    /// The bin of a place, or the one nearest to it.
+    fn bin(&self, place: &Point3) -> [usize; 3] {
+        let along = (place - self.low) / self.side_m;
+        // A float that is too small becomes 0.
+        [0, 1, 2].map(|axis| (along[axis] as usize).min(self.counts[axis] - 1))
+    }
+
+    /// The shares of a place: of the tetrahedron that holds it, or of the nearest.
+    pub fn shares(&self, place: &Point3) -> Shares {
+        let [x, y, z] = self.bin(place);
+        let near = &self.bins[(x * self.counts[1] + y) * self.counts[2] + z];
+        let mut best = (f64::INFINITY, 0);
+        for &k in near {
+            self.look(k as usize, place, &mut best);
+        }
+        let side_m = self.all[best.1].radius_m;
+        if best.0 > ROUNDING * side_m {
+            for k in 0..self.all.len() {
+                let one = &self.all[k];
+                if (place - one.middle).norm() - one.radius_m < best.0 {
+                    self.look(k, place, &mut best);
+                }
+            }
+        }
+        let held = &self.all[best.1];
+        let shares = held.shares(place);
+        [0, 1, 2, 3].map(|k| (held.nodes[k], shares[k]))
+    }
+
+    fn look(&self, k: usize, place: &Point3, best: &mut (f64, usize)) {
+        let outside_m = self.all[k].outside_m(&self.all[k].shares(place));
+        if outside_m < best.0 {
+            *best = (outside_m, k);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::cube::CubeLattice;
+    use super::*;
+
+    fn block() -> (CubeLattice, impl FnMut() -> f64) {
+        let (low, high) = (Point3::new(-1.0, 0.0, 2.0), Point3::new(1.0, 3.0, 3.0));
+        let block = CubeLattice::cuboid(&low, &high, [5, 6, 4]).unwrap();
+        let mut state = 3_u64;
+        let random = move || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1u64 << 53) as f64
+        };
+        (block, random)
+    }
+
+    #[test]
+    fn affine_motions_are_exact_inside_and_outside() {
+        let (mut block, mut random) = block();
+        for node in &mut block.grid.nodes {
+            *node += Vector3::new(random(), random(), random()) * 0.05;
+        }
+        let nodes = &block.grid.nodes;
+        let found = Tetrahedra::new(&block.grid.cells, nodes).unwrap();
+        let map = Matrix3::new(1.0, 0.2, -0.4, 0.1, 0.7, 0.3, -0.2, 0.5, 1.3);
+        for _ in 0..2_000 {
+            let place = Point3::new(
+                random() * 4.0 - 2.0,
+                random() * 5.0 - 1.0,
+                random() * 3.0 + 1.0,
+            );
+            let shares = found.shares(&place);
+            let at = |of: &dyn Fn(&Point3) -> Vector3| -> Vector3 {
+                (shares.iter())
+                    .map(|&(node, share)| of(&nodes[node as usize]) * share)
+                    .sum()
+            };
+            // Shares of places outside grow with their distance.
+            assert!((at(&|p| p.coords) - place.coords).norm() < 1e-12);
+            assert!((at(&|p| map * p.coords) - map * place.coords).norm() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_place_inside_has_shares_from_0_to_1() {
+        let (block, mut random) = block();
+        let found = Tetrahedra::new(&block.grid.cells, &block.grid.nodes).unwrap();
+        for _ in 0..2_000 {
+            let place = Point3::new(random() * 2.0 - 1.0, random() * 3.0, random() + 2.0);
+            let shares = found.shares(&place);
+            assert!(
+                shares
+                    .iter()
+                    .all(|share| (-1e-9..=1.0 + 1e-9).contains(&share.1))
+            );
+        }
+    }
+
+    #[test]
+    fn nothing_comes_of_cells_without_volume() {
+        let points = vec![Point3::origin(); 8];
+        assert!(Tetrahedra::new(&[[0, 1, 2, 3, 4, 5, 6, 7]], &points).is_none());
+        assert!(Tetrahedra::new(&[], &[]).is_none());
+    }
+}

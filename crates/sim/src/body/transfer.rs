@@ -1,0 +1,301 @@
+//! How a piece of a body goes on from it: each of its coordinates and points of flow takes over what the matter at its
+//! place had.
+//!
+//! Both bodies stand in the world at rest, so that the same place is the same matter. A coordinate at X goes to
+//! X + Σ w (x − X_w), with the shares w of the cell that holds X, which gives any affine motion exactly; so do velocities.
+
+use super::deformable::Deformable;
+use super::elements::continuum::CellCarry;
+use super::elements::spring_table::SpringTable;
+use super::matter::Matter;
+use super::node_map::{NodeMap, SparseRows};
+use super::plastic::Flow;
+use super::rigid_velocity::RigidVelocity;
+use super::state::DeformableState;
+use super::tetrahedra::Tetrahedra;
+use palpate_geometry::math::{Matrix3, Point3, Vector3};
+use std::collections::BTreeMap;
+
+/// Springs within this of each other, relative to the mean length of those that are carried over, are of the same matter.
+const NEAR: f64 = 1.5;
+/// How much more a spring along another counts than one across it: cos² to this power.
+const ALONG: i32 = 8;
+
+/// What a piece takes over from the body that it was a part of.
+#[derive(Debug)]
+pub struct Transfer {
+    /// (coordinates of the piece) × (coordinates of the body).
+    places: SparseRows,
+    flow: Option<FlowCarry>,
+}
+
+/// What flow has come to.
+#[derive(Debug)]
+enum FlowCarry {
+    /// (springs of the piece) × (springs of the body).
+    Springs(SparseRows),
+    Cells(CellCarry),
+}
+
+impl Transfer {
+    /// `None` where the body has no cells, or not of the piece's kind.
+    pub fn new(body: &Deformable, piece: &Deformable) -> Option<Self> {
+        let (old, new) = (body.matter(), piece.matter());
+        let nodes = old.map.nodes(&old.rest);
+        let cells = Tetrahedra::new(&old.cells, &nodes)?;
+        let row = |place: &Point3| {
+            let mut row = Vec::new();
+            for (node, share) in cells.shares(place) {
+                match &old.map {
+                    NodeMap::Same => row.push((node, share)),
+                    NodeMap::Sparse(map) => {
+                        let (columns, weights) = map.row(node as usize);
+                        row.extend(columns.iter().zip(weights).map(|(&c, w)| (c, w * share)));
+                    }
+                }
+            }
+            row
+        };
+        let flow = match (&old.flow, &new.flow) {
+            (Some(Flow::Springs(_)), Some(Flow::Springs(_))) => {
+                Some(FlowCarry::Springs(springs(old, new)))
+            }
+            (Some(Flow::Cells(_)), Some(Flow::Cells(_))) => {
+                let (old, new) = (old.law.continuum.as_ref(), new.law.continuum.as_ref());
+                Some(FlowCarry::Cells(CellCarry::new(old?, new?)))
+            }
+            _ => None,
+        };
+        Some(Self {
+            places: SparseRows::new(new.rest.iter().map(row)),
+            flow,
+        })
+    }
+
+    /// Fills the state of a piece, which is its initial one, from that of the body; nothing is allocated. What holds a
+    /// coordinate of the piece holds it where it has come.
+    pub fn carry(
+        &self,
+        bodies: [&Deformable; 2],
+        old: &DeformableState,
+        new: &mut DeformableState,
+    ) {
+        let [body, piece] = bodies.map(Deformable::matter);
+        for c in 0..piece.rest.len() {
+            let (columns, weights) = self.places.row(c);
+            let (mut moved, mut velocity) = (Vector3::zeros(), Vector3::zeros());
+            for (&from, &weight) in columns.iter().zip(weights) {
+                let from = from as usize;
+                moved += (old.positions[from] - body.rest[from]) * weight;
+                velocity += old.velocities[from] * weight;
+            }
+            if piece.unknown(c).is_some() {
+                new.positions[c] = piece.rest[c] + moved;
+                new.velocities[c] = velocity;
+            }
+        }
+        match &self.flow {
+            Some(FlowCarry::Springs(rows)) => carry_springs(rows, [body, piece], old, new),
+            Some(FlowCarry::Cells(cells)) => cells.carry(
+                (&old.rest_lengths, &old.plastic_strain),
+                (&mut new.rest_lengths, &mut new.plastic_strain),
+            ),
+            None => {}
+        }
+    }
+}
+
+/// Lengths without force keep their ratio to those at first.
+fn carry_springs(
+    rows: &SparseRows,
+    [body, piece]: [&Matter; 2],
+    old: &DeformableState,
+    new: &mut DeformableState,
+) {
+    let (first, mine) = (body.law.springs.rest(), piece.law.springs.rest());
+    for spring in 0..rows.rows() {
+        let (columns, weights) = rows.row(spring);
+        let (block, place) = (spring / 4, spring % 4);
+        if columns.is_empty() {
+            continue;
+        }
+        let (mut ratio, mut strain) = (0.0, 0.0);
+        for (&from, &weight) in columns.iter().zip(weights) {
+            let (block, place) = (from as usize / 4, from as usize % 4);
+            ratio += weight * old.rest_lengths[block][place] / first[block][place];
+            strain += weight * old.plastic_strain[block][place];
+        }
+        new.rest_lengths[block][place] = mine[block][place] * ratio;
+        new.plastic_strain[block][place] = strain;
+    }
+}
+
+/// Middles, directions and numbers of springs at rest.
+fn lines(table: &SpringTable, nodes: &[Point3]) -> Vec<(usize, Point3, Vector3)> {
+    let line = |(block, place, a, b, _): (usize, usize, usize, usize, f64)| {
+        let along = (nodes[b] - nodes[a]).try_normalize(0.0)?;
+        Some((
+            4 * block + place,
+            nalgebra::center(&nodes[a], &nodes[b]),
+            along,
+        ))
+    };
+    table.each().filter_map(line).collect()
+}
+
+/// For each spring of the piece those of the body around it, the more they are along it.
+fn springs(old: &Matter, new: &Matter) -> SparseRows {
+    let [old_nodes, new_nodes] = [old, new].map(|matter| matter.map.nodes(&matter.rest));
+    let from = lines(&old.law.springs, &old_nodes);
+    let lengths = old
+        .law
+        .springs
+        .each()
+        .map(|(_, _, a, b, _)| (old_nodes[b] - old_nodes[a]).norm());
+    let near_m = NEAR * lengths.sum::<f64>() / from.len().max(1) as f64;
+    let bins = Bins::new(near_m, from.iter().map(|line| line.1));
+    let mut rows = vec![Vec::new(); 4 * new.law.springs.rest().len()];
+    for (spring, middle, along) in lines(&new.law.springs, &new_nodes) {
+        let row: &mut Vec<(u32, f64)> = &mut rows[spring];
+        bins.around(&middle, |k| {
+            let (other, place, line) = &from[k];
+            let near = 1.0 - (place - middle).norm_squared() / (near_m * near_m);
+            let cosine = along.dot(line);
+            if near > 0.0 {
+                row.push((*other as u32, near * (cosine * cosine).powi(ALONG)));
+            }
+        });
+        let sum: f64 = row.iter().map(|entry| entry.1).sum();
+        if sum > 0.0 {
+            row.iter_mut().for_each(|entry| entry.1 /= sum);
+        } else {
+            row.clear();
+        }
+    }
+    SparseRows::new(rows)
+}
+
+/// Places by boxes of one size.
+pub(super) struct Bins {
+    side_m: f64,
+    boxes: BTreeMap<[i64; 3], Vec<usize>>,
+}
+
+impl Bins {
+    /// Of places, by their numbers; the side is above 0.
+    pub fn new(side_m: f64, places: impl Iterator<Item = Point3>) -> Self {
+        let mut bins = Self {
+            side_m,
+            boxes: BTreeMap::new(),
+        };
+        for (k, place) in places.enumerate() {
+            let key = bins.key(&place);
+            bins.boxes.entry(key).or_default().push(k);
+        }
+        bins
+    }
+
+    fn key(&self, place: &Point3) -> [i64; 3] {
+        [place.x, place.y, place.z].map(|x| (x / self.side_m).floor() as i64)
+    }
+
+    /// Every place within a side of another, and some beyond.
+    pub fn around(&self, place: &Point3, mut out: impl FnMut(usize)) {
+        let [x, y, z] = self.key(place);
+        for i in x - 1..=x + 1 {
+            for j in y - 1..=y + 1 {
+                for k in z - 1..=z + 1 {
+                    (self.boxes.get(&[i, j, k]).into_iter().flatten()).for_each(|&one| out(one));
+                }
+            }
+        }
+    }
+}
+
+/// A solid as it stands: where its matter is at rest.
+#[derive(Debug)]
+pub struct Standing {
+    cells: Tetrahedra,
+    /// (nodes), m.
+    rest: Vec<Point3>,
+}
+
+impl Standing {
+    /// Of a body with its coordinates at these places, m; `None` where it has no cells, or none with a volume.
+    pub fn new(body: &Deformable, coordinates: &[Point3]) -> Option<Self> {
+        Some(Self {
+            cells: Tetrahedra::new(body.cells(), &body.nodes(coordinates))?,
+            rest: body.nodes(body.rest()),
+        })
+    }
+
+    /// Where at rest the matter is that is at a place now, m; outside of the cells as the nearest says.
+    pub fn at_rest(&self, now: &Point3) -> Point3 {
+        let shares = self.cells.shares(now).into_iter();
+        Point3::from(
+            shares
+                .map(|(node, share)| self.rest[node as usize].coords * share)
+                .sum::<Vector3>(),
+        )
+    }
+}
+
+/// What the motion of some bodies amounts to: its momentum, kg·m/s, its angular momentum, kg·m²/s, and what they weigh, kg
+/// and kg·m² about the centre, m.
+#[derive(Debug, Default)]
+pub(crate) struct Motion {
+    mass_kg: f64,
+    first: Vector3,
+    linear: Vector3,
+    angular: Vector3,
+    second: Matrix3,
+}
+
+impl Motion {
+    /// Adds what of a body can move.
+    pub fn add(&mut self, body: &Deformable, state: &DeformableState) {
+        let matter = body.matter();
+        for &c in &matter.coordinate_of_unknown {
+            let c = c as usize;
+            let (m, x, v) = (
+                matter.masses[c],
+                state.positions[c].coords,
+                state.velocities[c],
+            );
+            self.mass_kg += m;
+            self.first += x * m;
+            self.linear += v * m;
+            self.angular += x.cross(&v) * m;
+            self.second += (Matrix3::identity() * x.norm_squared() - x * x.transpose()) * m;
+        }
+    }
+
+    /// The rigid motion that is missing of another's momentum and angular momentum.
+    pub fn missing(&self, whole: &Self) -> RigidMissing {
+        let centre = self.first / self.mass_kg;
+        let linear = whole.linear - self.linear;
+        let turning = whole.angular - self.angular - centre.cross(&linear);
+        let about = Matrix3::identity() * centre.norm_squared() - centre * centre.transpose();
+        let inertia = self.second - about * self.mass_kg;
+        RigidMissing(RigidVelocity {
+            centre: Point3::from(centre),
+            linear: linear / self.mass_kg,
+            angular: inertia
+                .try_inverse()
+                .map_or_else(Vector3::zeros, |i| i * turning),
+        })
+    }
+}
+
+/// A rigid motion that is added to bodies.
+pub(crate) struct RigidMissing(RigidVelocity);
+
+impl RigidMissing {
+    /// Adds it to what of a body can move.
+    pub fn add_to(&self, body: &Deformable, state: &mut DeformableState) {
+        for &c in &body.matter().coordinate_of_unknown {
+            let c = c as usize;
+            state.velocities[c] += self.0.velocity(&state.positions[c]);
+        }
+    }
+}
