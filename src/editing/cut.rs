@@ -1,6 +1,7 @@
 //! The pieces that a plane makes of a body that deforms, in its place.
 
 use super::Edited;
+use palpate_geometry::basis::KnotVector;
 use palpate_geometry::cut::{Cut, CutPlane, Piece, PieceSkin, SkinSpec, cut_by_plane};
 use palpate_geometry::math::Point3;
 use palpate_geometry::surface::Surface;
@@ -10,6 +11,9 @@ use std::time::Instant;
 
 /// Fewest control points of a piece around, and from pole to pole.
 const FEWEST: usize = 8;
+/// From pole to pole: so many with [`NEXT_EDGE`] for each sharp edge on the way.
+const FIRST_EDGE: usize = 4;
+const NEXT_EDGE: usize = 3;
 
 /// A piece of one of the cuts.
 struct Kept<'a> {
@@ -111,7 +115,8 @@ fn skins(
     kept.iter().enumerate().map(skin).collect()
 }
 
-/// How many control points a piece gets around, and from pole to pole: as close together as those of the body.
+/// How many control points a piece gets around, and from pole to pole: as close together as those of the body, and enough
+/// for the edges of its caps.
 fn counts(rest: &Surface, cut: &Cut, piece: usize) -> [usize; 2] {
     let net = [rest.net().rows(), rest.net().columns()];
     // A torus, which has no poles, goes round both ways.
@@ -119,10 +124,24 @@ fn counts(rest: &Surface, cut: &Cut, piece: usize) -> [usize; 2] {
     let whole_m2: f64 = cut.pieces.iter().map(|piece| piece.skin_area_m2).sum();
     let piece = &cut.pieces[piece];
     let share = ((piece.skin_area_m2 + piece.cap_area_m2) / whole_m2).sqrt();
-    [net[1 - along], net[along]].map(|count| {
+    let edges = piece.rim_count() + creases([rest.knots_u(), rest.knots_v()][along]);
+    let fewest = [FEWEST, FEWEST.max(FIRST_EDGE + NEXT_EDGE * edges)];
+    [0, 1].map(|d| {
+        let count = net[[1 - along, along][d]];
         let enough = (share * count as f64).ceil() as usize;
-        enough.min(count).max(FEWEST)
+        enough.min(count).max(fewest[d])
     })
+}
+
+/// How many inner knots are creases of a surface, as those of former cuts are.
+fn creases(knots: &KnotVector) -> usize {
+    let (start, end) = knots.domain();
+    let inner = |run: &&[f64]| run[0] > start && run[0] < end && run.len() >= knots.degree();
+    knots
+        .file_knots()
+        .chunk_by(|a, b| a == b)
+        .filter(inner)
+        .count()
 }
 
 /// What was in the kerf, m³.

@@ -13,7 +13,6 @@ mod harmonic;
 mod levels;
 mod sections;
 
-
 use super::{Cut, CutMeshError, Origin};
 use crate::math::{MOST_COORDINATE_M, Point3};
 use crate::surface::{Surface, SurfaceError};
@@ -87,7 +86,9 @@ pub enum PieceSkinError {
         counts: [usize; 2],
     },
     /// The surface at rest is another one.
-    #[error("the surface at rest does not have the knots and the net of the surface that was cut: give the same one, moved")]
+    #[error(
+        "the surface at rest does not have the knots and the net of the surface that was cut: give the same one, moved"
+    )]
     Rest,
     /// A hole goes through the piece.
     #[error(
@@ -99,10 +100,14 @@ pub enum PieceSkinError {
         handles: usize,
     },
     /// Rims or faces that touch in a point.
-    #[error("parts of the piece's boundary touch in single points: move or tilt the plane by a thousandth of the size")]
+    #[error(
+        "parts of the piece's boundary touch in single points: move or tilt the plane by a thousandth of the size"
+    )]
     Pinched,
     /// More triangles than allowed.
-    #[error("the piece's boundary takes more than {most} triangles: it is too thin or too rough; move or tilt the plane")]
+    #[error(
+        "the piece's boundary takes more than {most} triangles: it is too thin or too rough; move or tilt the plane"
+    )]
     TooFine {
         /// As allowed.
         most: usize,

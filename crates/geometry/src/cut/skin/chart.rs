@@ -53,8 +53,7 @@ impl RimTurns {
         let mut passed = 0.0;
         let count = rim.corners.len();
         for k in 0..count {
-            let [p, q] =
-                [k, (k + 1) % count].map(|k| fine.corners[rim.corners[k] as usize].rest);
+            let [p, q] = [k, (k + 1) % count].map(|k| fine.corners[rim.corners[k] as usize].rest);
             passed += (q - p).norm();
             turns.push(offset + passed / rim.length_m);
         }
@@ -66,7 +65,11 @@ impl RimTurns {
     pub fn find(&self, turn: f64) -> (usize, f64) {
         let turn = turn - (turn - self.turns[0]).floor();
         let last = self.turns.len() - 2;
-        let k = self.turns.partition_point(|t| *t <= turn).clamp(1, last + 1) - 1;
+        let k = self
+            .turns
+            .partition_point(|t| *t <= turn)
+            .clamp(1, last + 1)
+            - 1;
         let (a, b) = (self.turns[k], self.turns[k + 1]);
         (k, ((turn - a) / (b - a).max(1e-300)).clamp(0.0, 1.0))
     }
@@ -192,7 +195,11 @@ impl Maker<'_> {
     fn way_across(&self, near: &Rim, far: &Rim) -> Result<(u32, Vec<f64>), PieceSkinError> {
         let mut at_far = vec![false; self.net.edges.len()];
         far.edges.iter().for_each(|&e| at_far[e as usize] = true);
-        let leaves = |t: u32| self.net.of[t as usize].iter().position(|&e| at_far[e as usize]);
+        let leaves = |t: u32| {
+            self.net.of[t as usize]
+                .iter()
+                .position(|&e| at_far[e as usize])
+        };
         let way = self.way(near.edges[near.edges.len() - 1], &|t| leaves(t).is_some())?;
         let mut steps = self.steps(&way);
         let (last, _) = way[way.len() - 1];
@@ -308,7 +315,11 @@ impl Maker<'_> {
             Strip {
                 level: corners.iter().sum::<f64>() / 3.0,
                 area: 0.5 * twice,
-                slope: if twice > 0.0 { slope.norm() / twice } else { 0.0 },
+                slope: if twice > 0.0 {
+                    slope.norm() / twice
+                } else {
+                    0.0
+                },
             }
         };
         let lengths = Levels::new(self.triangles.iter().map(strip).collect(), disc);
@@ -380,9 +391,8 @@ impl Bins {
         };
         for (k, one) in laid.iter().enumerate() {
             let range = |d: usize| {
-                let of = |f: fn(f64, f64) -> f64, start| {
-                    one.places.iter().map(|p| p[d]).fold(start, f)
-                };
+                let of =
+                    |f: fn(f64, f64) -> f64, start| one.places.iter().map(|p| p[d]).fold(start, f);
                 let ends = [of(f64::min, f64::INFINITY), of(f64::max, f64::NEG_INFINITY)];
                 let [low, high] = ends.map(|x| (bins.scaled(d, x)).floor() as i64);
                 low..=high.min(low + count as i64)

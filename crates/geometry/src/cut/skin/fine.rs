@@ -294,9 +294,8 @@ impl Fine {
     ) {
         let [a, b, c] = corners;
         let middle = |p: u32, q: u32| middles.get(&[p.min(q), p.max(q)]).copied();
-        let length = |p: u32, q: u32| {
-            (self.corners[p as usize].rest - self.corners[q as usize].rest).norm()
-        };
+        let length =
+            |p: u32, q: u32| (self.corners[p as usize].rest - self.corners[q as usize].rest).norm();
         match [middle(a, b), middle(b, c), middle(c, a)] {
             [None, None, None] => into.push(corners),
             [Some(x), Some(y), Some(z)] => {

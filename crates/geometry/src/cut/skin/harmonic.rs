@@ -53,7 +53,12 @@ impl Harmonic {
         weights.sort_by_key(|w| w.0);
         let edges: Vec<(u32, f64)> = weights
             .chunk_by(|a, b| a.0 == b.0)
-            .map(|group| (group[0].0, group.iter().map(|w| w.1).sum::<f64>().max(LEAST)))
+            .map(|group| {
+                (
+                    group[0].0,
+                    group.iter().map(|w| w.1).sum::<f64>().max(LEAST),
+                )
+            })
             .collect();
         let mut matrix = SymmetricTriplets::new(count as usize);
         for &(e, weight) in &edges {
