@@ -150,10 +150,16 @@ fn carry_out(job: &EditJob, changes: &SceneChanges) -> Result<EditNews, String> 
             truncate::truncate(scene, &request.bodies, &surfaces, *tolerance_m)?
         }
         Edit::Cut { plane, kerf_m } => {
-            let (&[body], [surface], [stands]) = (&*request.bodies, &*surfaces, &**standing) else {
+            let (&[body], [stands]) = (&*request.bodies, &**standing) else {
                 return Err("cut takes one body".into());
             };
-            cut::cut(scene, body, surface, &stands.coordinates, plane, *kerf_m)?
+            cut::cut(
+                scene,
+                body,
+                (&stands.points, &stands.coordinates),
+                plane,
+                *kerf_m,
+            )?
         }
     };
     let Some(change) = change else {

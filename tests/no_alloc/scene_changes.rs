@@ -326,7 +326,7 @@ pose = { position = [0.0, 0.0, 0.5] }
         }
         let before = state.bodies[0].deformable.clone().unwrap();
         let whole = old.rest_surface(0).unwrap().clone();
-        let change = SceneChange::cut(&old, 0, &[whole], 1.0).unwrap();
+        let (change, _) = SceneChange::cut(&old, 0, &[&whole], 1.0).unwrap();
         assert_eq!(change.spec.bodies[0].id, "ball-1");
         let new = Arc::new(rebuilt(&change));
         let (mut swap, _nets) =

@@ -83,5 +83,5 @@ pub use som::{SomSettings, som};
 pub use state::DeformableState;
 pub use ties::{coordinates_of_controls, coordinates_of_surface};
 pub(crate) use transfer::Motion;
-pub use transfer::{Standing, Transfer};
+pub use transfer::{Deformed, Transfer};
 pub use transfinite::{thick_sheet, transfinite};

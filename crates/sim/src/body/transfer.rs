@@ -214,13 +214,13 @@ impl Bins {
 
 /// A solid as it stands: where its matter is at rest.
 #[derive(Debug)]
-pub struct Standing {
+pub struct Deformed {
     cells: Tetrahedra,
     /// (nodes), m.
     rest: Vec<Point3>,
 }
 
-impl Standing {
+impl Deformed {
     /// Of a body with its coordinates at these places, m; `None` where it has no cells, or none with a volume.
     pub fn new(body: &Deformable, coordinates: &[Point3]) -> Option<Self> {
         Some(Self {

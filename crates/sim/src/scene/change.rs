@@ -10,20 +10,15 @@
 
 use super::Scene;
 use super::door::{Door, SceneError};
-use super::model::material_of;
 use super::spec::{
-    BodySpec, ContactMethod, ContactSpec, FixedSpec, ModelSpec, PoseSpec, RefineAuto, RefineSpec,
-    SceneSpec, SurfaceSpec,
+    BodySpec, ContactSpec, FixedSpec, ModelSpec, PoseSpec, RefineAuto, RefineSpec, SceneSpec,
+    SurfaceSpec,
 };
 use super::surface::STEP;
-use crate::body::Standing;
 use palpate_geometry::basis::KnotVector;
 use palpate_geometry::math::{Point3, Pose, Rotation, Vector3};
 use palpate_geometry::surface::{ControlNet, Surface, SurfaceError, file};
 use std::path::Path;
-
-/// Characters of an id at most.
-const LONGEST_ID: usize = 64;
 
 /// Where a body of the new scene comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,7 +41,7 @@ pub enum Origin {
 
 impl Origin {
     /// It stays where it is.
-    fn kept(from: usize) -> Self {
+    pub(super) fn kept(from: usize) -> Self {
         Self::Kept {
             from,
             moved: Vector3::zeros(),
@@ -199,76 +194,6 @@ impl SceneChange {
         Ok(Self { spec, origins })
     }
 
-    /// A body may be cut: it is a solid that deforms.
-    ///
-    /// # Errors
-    /// It is rigid or a membrane, or something holds it that is not known of its pieces.
-    pub fn check_cut(scene: &Scene, body: usize) -> Result<(), SceneError> {
-        let spec = &scene.spec.bodies[body];
-        let id = &spec.id;
-        let at = format!("body[{body}]");
-        if !scene.deforms(body) {
-            let reason = format!(
-                "{id:?} is rigid, and a cut goes through bodies that deform; cut it as a file (palpate surface cut), or give it a \
-                 model that deforms"
-            );
-            return Err(SceneError::one(at, reason));
-        }
-        let closed = scene
-            .rest_surface(body)
-            .is_some_and(|surface| surface.topology().is_closed());
-        if spec.model() == ModelSpec::Membrane || !closed {
-            let reason = format!(
-                "{id:?} has no inside, and only solids are cut: use a closed surface with model = \"lattice\", \"continuum\" or \
-                 \"net\""
-            );
-            return Err(SceneError::one(at, reason));
-        }
-        let range = |fixed: &FixedSpec| matches!(fixed, FixedSpec::Range { .. });
-        if let Some(k) = spec.fixed.iter().position(range) {
-            let reason = "a range of parameters says nothing on the surfaces of pieces; fix the body by a plane";
-            return Err(SceneError::one(format!("{at}.fixed[{k}]"), reason));
-        }
-        Ok(())
-    }
-
-    /// The scene with pieces in the place of a body: their surfaces at rest, m, in the world. Their ids are that of the body
-    /// with numbers. `kept` is the share of the body's volume that they are to have together: their density makes up for
-    /// what their surfaces miss of it. Pieces do not touch each other where all is kept: they lie on each other from the
-    /// start.
-    ///
-    /// # Errors
-    /// A body that may not be cut, as [`SceneChange::check_cut`] says; ids that are too long.
-    pub fn cut(
-        scene: &Scene,
-        body: usize,
-        pieces: &[Surface],
-        kept: f64,
-    ) -> Result<Self, SceneError> {
-        Self::check_cut(scene, body)?;
-        let mut spec = pinned(scene)?;
-        let whole = spec.bodies.remove(body);
-        let ids = numbered(&whole.id, pieces.len(), &spec)?;
-        let volume = |surface: &Surface| surface.volume().abs();
-        let enclosed = scene.rest_surface(body).map_or(0.0, volume);
-        let denser = kept * enclosed / pieces.iter().map(volume).sum::<f64>();
-        let mut made = Vec::new();
-        for (id, surface) in ids.iter().zip(pieces) {
-            made.push(piece(&whole, id, surface, denser)?);
-        }
-        spec.bodies.splice(body..body, made);
-        let origins = (0..scene.body_count()).flat_map(|from| match from == body {
-            true => vec![Origin::Piece { from }; pieces.len()],
-            false => vec![Origin::kept(from)],
-        });
-        let origins = origins.collect();
-        spec.contacts = of_each(&spec.contacts, &whole.id, &ids);
-        if kept >= 1.0 {
-            spec.contacts.extend(apart(&ids));
-        }
-        Ok(Self { spec, origins })
-    }
-
     /// True when the bodies that stay have the same coordinates in both scenes.
     pub fn fits(&self, old: &Scene, new: &Scene) -> bool {
         let count = |scene: &Scene, body: usize| {
@@ -286,109 +211,16 @@ impl SceneChange {
     }
 }
 
-/// Ids of the pieces of a body: its own, with the first numbers that are free.
-fn numbered(id: &str, count: usize, spec: &SceneSpec) -> Result<Vec<String>, SceneError> {
-    let taken = |name: &String| {
-        let bodies = spec.bodies.iter().any(|body| &body.id == name);
-        bodies || spec.tools.iter().any(|tool| &tool.id == name)
-    };
-    let ids: Vec<String> = (1..)
-        .map(|k| format!("{id}-{k}"))
-        .filter(|name| !taken(name))
-        .take(count)
-        .collect();
-    match ids.iter().find(|name| name.len() > LONGEST_ID) {
-        Some(long) => {
-            let reason = format!(
-                "the id of a piece, {long:?}, is longer than {LONGEST_ID} characters; give {id:?} a shorter one"
-            );
-            Err(SceneError::one("id", reason))
-        }
-        None => Ok(ids),
-    }
-}
-
-/// A piece of a body, which has its model and material.
-fn piece(
-    whole: &BodySpec,
-    id: &str,
-    surface: &Surface,
-    denser: f64,
-) -> Result<BodySpec, SceneError> {
-    let placement = placement(&whole.pose);
-    let local = surface.placed(&placement.inverse());
-    let local = local.map_err(|e| SceneError::one("surface", e))?;
-    let mut body = BodySpec {
-        id: id.to_owned(),
-        surface: inline(&local)?,
-        velocity_m_s: [0.0; 3],
-        spin_rad_s: [0.0; 3],
-        ..whole.clone()
-    };
-    let material = material_of(&whole.material);
-    body.material.density_kg_m3 = material.map(|material| material.density_kg_m3 * denser);
-    for region in &mut body.regions {
-        region.density_kg_m3 = region.density_kg_m3.map(|density| density * denser);
-    }
-    // Planes that hold nothing of it are of other pieces.
-    let points = local.net().points();
-    body.fixed.retain(|fixed| match fixed {
-        FixedSpec::Plane { point, normal } => {
-            let behind =
-                |p: &Point3| Vector3::from(*normal).dot(&(p - Point3::from(*point))) <= 0.0;
-            points.iter().any(behind)
-        }
-        FixedSpec::Range { .. } => true,
-    });
-    body.lattice.refine = RefineSpec::Auto(RefineAuto::None);
-    body.lattice.layers = Some(whole.layers());
-    Ok(body)
-}
-
 /// From a body's frame to the world.
-fn placement(pose: &PoseSpec) -> Pose {
+pub(super) fn placement(pose: &PoseSpec) -> Pose {
     let [x, y, z, w] = pose.orientation;
     let rotation = Rotation::from_quaternion(nalgebra::Quaternion::new(w, x, y, z));
     Pose::from_parts(Vector3::from(pose.position).into(), rotation)
 }
 
-/// Exceptions for contacts, with each piece in the place of a body.
-fn of_each(contacts: &[ContactSpec], id: &str, pieces: &[String]) -> Vec<ContactSpec> {
-    let mut out = Vec::new();
-    for contact in contacts {
-        let names = |name: &String| match name == id {
-            true => pieces.to_vec(),
-            false => vec![name.clone()],
-        };
-        let [holders, bodies] = [0, 1].map(|k| names(&contact.pair[k]));
-        for holder in &holders {
-            let other = |body: &&String| contact.pair[0] != contact.pair[1] || *body == holder;
-            out.extend(bodies.iter().filter(other).map(|body| ContactSpec {
-                pair: [holder.clone(), body.clone()],
-                ..contact.clone()
-            }));
-        }
-    }
-    out
-}
-
-/// No contact between any two.
-fn apart(ids: &[String]) -> Vec<ContactSpec> {
-    let pairs = (ids.iter().enumerate()).flat_map(|(k, a)| ids[..k].iter().map(move |b| [a, b]));
-    let none = pairs.map(|pair| ContactSpec {
-        pair: pair.map(Clone::clone),
-        method: ContactMethod::None,
-        resolution: None,
-        friction: None,
-        restitution: None,
-        near_field: None,
-    });
-    none.collect()
-}
-
 /// The file of a scene with every automatic refinement written out: it looks at all tools and
 /// bodies, and those that stay must come out as they are.
-fn pinned(scene: &Scene) -> Result<SceneSpec, SceneError> {
+pub(super) fn pinned(scene: &Scene) -> Result<SceneSpec, SceneError> {
     let mut spec = scene.spec.clone();
     for (b, body) in spec.bodies.iter_mut().enumerate() {
         let automatic = matches!(
@@ -426,7 +258,7 @@ fn inserted((coarse, fine): (&KnotVector, &KnotVector)) -> Vec<f64> {
 }
 
 /// A surface as it stands in a scene file.
-fn inline(surface: &Surface) -> Result<SurfaceSpec, SceneError> {
+pub(super) fn inline(surface: &Surface) -> Result<SurfaceSpec, SceneError> {
     let text = file::write(surface, file::Unit::Metre);
     let mut document: serde_json::Value =
         serde_json::from_str(&text).map_err(|e| SceneError::one("surface", e))?;
@@ -481,11 +313,6 @@ fn renamed(contacts: &[ContactSpec], parts: &[&str], id: &str) -> Vec<ContactSpe
 }
 
 impl Scene {
-    /// Where at rest the matter of a body is whose coordinates are at these places, m; `None` where it has no cells.
-    pub fn standing(&self, body: usize, coordinates: &[Point3]) -> Option<Standing> {
-        Standing::new(self.deformable(body)?, coordinates)
-    }
-
     /// The surface of a body as it stands, m, in the world; `points` are its control points. `None` of a part.
     ///
     /// # Errors

@@ -6,6 +6,7 @@
 
 mod build;
 mod change;
+mod cut;
 mod door;
 pub mod file;
 mod findings;
@@ -26,6 +27,7 @@ mod tool;
 
 pub use build::inline_files;
 pub use change::{Origin, SceneChange};
+pub use cut::{BodyPiece, SceneCut, SceneCutError};
 pub use door::{Place, Problem, SceneError};
 pub use findings::{Finding, FindingKind};
 pub(crate) use free::Free;

@@ -11,6 +11,7 @@ mod chains;
 #[path = "../common/mod.rs"]
 mod common;
 mod contact;
+mod cuts;
 mod deformation;
 mod deforming_input;
 mod deforming_laws;

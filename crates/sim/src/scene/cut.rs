@@ -1,0 +1,396 @@
+//! A body cut by a plane while it runs: its pieces take its place, as bodies like it.
+//!
+//! ```text
+//! surface as it stands, plane ─▶ pieces ─▶ their boundaries at rest, as closed surfaces ─▶ SceneSpec with a body for each
+//! ```
+//! A piece has cells of its own, of the shape of its boundary, and takes over the motion of the matter that was there:
+//! [`CarryOver`](crate::tick::CarryOver).
+
+use super::Scene;
+use super::change::{Origin, SceneChange, inline, pinned, placement};
+use super::door::SceneError;
+use super::model::material_of;
+use super::spec::{
+    BodySpec, ContactMethod, ContactSpec, FixedSpec, ModelSpec, RefineAuto, RefineSpec, SceneSpec,
+};
+use crate::body::Deformed;
+use palpate_geometry::basis::KnotVector;
+use palpate_geometry::cut::{
+    Cut, CutError, CutPlane, Piece, PieceSkin, PieceSkinError, SkinSpec, cut_by_plane,
+};
+use palpate_geometry::math::{Point3, Vector3};
+use palpate_geometry::surface::{Surface, SurfaceError};
+
+/// Fewest control points of a piece around, and from pole to pole.
+const FEWEST: usize = 8;
+/// From pole to pole: so many with [`NEXT_EDGE`] for each sharp edge on the way.
+const FIRST_EDGE: usize = 4;
+const NEXT_EDGE: usize = 3;
+/// Characters of an id at most.
+const LONGEST_ID: usize = 64;
+
+/// Why a body of a scene was not cut.
+#[derive(Debug, thiserror::Error)]
+pub enum SceneCutError {
+    /// A body that cannot be cut, or a scene that cannot be.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// Control points that no surface can have.
+    #[error(transparent)]
+    Surface(#[from] SurfaceError),
+    /// The plane misses the body, or how it cuts it is not clear.
+    #[error("body {body:?}: {error}")]
+    Cut {
+        /// Its id.
+        body: String,
+        /// Why.
+        error: CutError,
+    },
+    /// A piece without a surface of its own.
+    #[error("piece {piece} of body {body:?}: {error}")]
+    Piece {
+        /// From 1.
+        piece: usize,
+        /// The body's id.
+        body: String,
+        /// Why.
+        error: PieceSkinError,
+    },
+    /// All cells are flat.
+    #[error(
+        "the cells of body {body:?} have no volume as it stands: nothing says where its matter is at rest"
+    )]
+    NoVolume {
+        /// Its id.
+        body: String,
+    },
+}
+
+/// A piece of a body in the next scene.
+#[derive(Clone, Debug)]
+pub struct BodyPiece {
+    /// Its id there.
+    pub id: String,
+    /// As it was cut.
+    pub piece: Piece,
+    /// Its boundary at rest.
+    pub skin: PieceSkin,
+}
+
+/// A body that was cut.
+#[derive(Clone, Debug)]
+pub struct SceneCut {
+    /// The next scene.
+    pub change: SceneChange,
+    /// Those above the plane first.
+    pub pieces: Vec<BodyPiece>,
+    /// What was in the kerf, m³.
+    pub lost_m3: f64,
+}
+
+/// A piece of one of the cuts.
+struct Kept<'a> {
+    cut: &'a Cut,
+    piece: usize,
+}
+
+impl SceneCut {
+    /// Cuts a body as it stands: `points` are its control points and `coordinates` what [`SceneState::coordinates`] gives,
+    /// m, of the same tick. With a kerf, what is between two planes so far apart is lost, and pieces touch each other;
+    /// without, they lie on each other from the start, and do not.
+    ///
+    /// [`SceneState::coordinates`]: crate::tick::SceneState::coordinates
+    ///
+    /// # Errors
+    /// A body that is no solid, a plane that misses it, pieces with holes through them.
+    pub fn new(
+        scene: &Scene,
+        body: usize,
+        (points, coordinates): (&[Point3], &[Point3]),
+        plane: &CutPlane,
+        kerf_m: f64,
+    ) -> Result<Self, SceneCutError> {
+        check_cut(scene, body)?;
+        let id = || scene.body_id(body).to_owned();
+        let no_volume = || SceneCutError::NoVolume { body: id() };
+        let surface = scene.surface_with(body, points)?.ok_or_else(no_volume)?;
+        let rest = scene.rest_surface(body).ok_or_else(no_volume)?;
+        let deformable = scene.deformable(body).ok_or_else(no_volume)?;
+        let deformed = Deformed::new(deformable, coordinates).ok_or_else(no_volume)?;
+        let cuts = cuts(&surface, plane, kerf_m)
+            .map_err(|error| SceneCutError::Cut { body: id(), error })?;
+        let kept = kept(&cuts);
+        let mut skins = Vec::new();
+        for (k, Kept { cut, piece }) in kept.iter().enumerate() {
+            let spec = SkinSpec {
+                counts: counts(rest, cut, *piece),
+                ..SkinSpec::default()
+            };
+            let skin = cut.skin(*piece, rest, &mut |now| deformed.at_rest(now), &spec);
+            skins.push(skin.map_err(|error| SceneCutError::Piece {
+                piece: k + 1,
+                body: id(),
+                error,
+            })?);
+        }
+        let surfaces: Vec<&Surface> = skins.iter().map(|skin| &skin.surface).collect();
+        let (change, ids) = SceneChange::cut(scene, body, &surfaces, share_kept(&cuts, &kept))?;
+        let pieces = ids.into_iter().zip(&kept).zip(skins);
+        Ok(Self {
+            lost_m3: lost_m3(&cuts, &kept),
+            pieces: pieces
+                .map(|((id, kept), skin)| BodyPiece {
+                    id,
+                    piece: kept.piece().clone(),
+                    skin,
+                })
+                .collect(),
+            change,
+        })
+    }
+}
+
+/// A body may be cut: it is a solid that deforms.
+///
+/// # Errors
+/// It is rigid or a membrane, or something holds it that is not known of its pieces.
+fn check_cut(scene: &Scene, body: usize) -> Result<(), SceneError> {
+    let spec = &scene.spec.bodies[body];
+    let id = &spec.id;
+    let at = format!("body[{body}]");
+    if !scene.deforms(body) {
+        let reason = format!(
+            "{id:?} is rigid, and a cut goes through bodies that deform; cut it as a file (palpate surface cut), or give it a \
+             model that deforms"
+        );
+        return Err(SceneError::one(at, reason));
+    }
+    let closed = scene
+        .rest_surface(body)
+        .is_some_and(|surface| surface.topology().is_closed());
+    if spec.model() == ModelSpec::Membrane || !closed {
+        let reason = format!(
+            "{id:?} has no inside, and only solids are cut: use a closed surface with model = \"lattice\", \"continuum\" or \
+             \"net\""
+        );
+        return Err(SceneError::one(at, reason));
+    }
+    let range = |fixed: &FixedSpec| matches!(fixed, FixedSpec::Range { .. });
+    if let Some(k) = spec.fixed.iter().position(range) {
+        let reason =
+            "a range of parameters says nothing on the surfaces of pieces; fix the body by a plane";
+        return Err(SceneError::one(format!("{at}.fixed[{k}]"), reason));
+    }
+    Ok(())
+}
+
+impl SceneChange {
+    /// The scene with pieces in the place of a body: their surfaces at rest, m, in the world. Their ids, which come
+    /// with it, are that of the body with numbers. `kept` is the share of the body's volume that they are to have together: their density makes up for
+    /// what their surfaces miss of it. Pieces do not touch each other where all is kept: they lie on each other from the
+    /// start.
+    ///
+    /// # Errors
+    /// A body that may not be cut, as [`check_cut`] says; ids that are too long.
+    pub fn cut(
+        scene: &Scene,
+        body: usize,
+        pieces: &[&Surface],
+        kept: f64,
+    ) -> Result<(Self, Vec<String>), SceneError> {
+        check_cut(scene, body)?;
+        let mut spec = pinned(scene)?;
+        let whole = spec.bodies.remove(body);
+        let ids = numbered(&whole.id, pieces.len(), &spec)?;
+        let volume = |surface: &Surface| surface.volume().abs();
+        let enclosed = scene.rest_surface(body).map_or(0.0, volume);
+        let denser = kept * enclosed / pieces.iter().map(|surface| volume(surface)).sum::<f64>();
+        let mut made = Vec::new();
+        for (id, surface) in ids.iter().zip(pieces) {
+            made.push(piece(&whole, id, surface, denser)?);
+        }
+        spec.bodies.splice(body..body, made);
+        let origins = (0..scene.body_count()).flat_map(|from| match from == body {
+            true => vec![Origin::Piece { from }; pieces.len()],
+            false => vec![Origin::kept(from)],
+        });
+        let origins = origins.collect();
+        spec.contacts = of_each(&spec.contacts, &whole.id, &ids);
+        if kept >= 1.0 {
+            spec.contacts.extend(apart(&ids));
+        }
+        Ok((Self { spec, origins }, ids))
+    }
+}
+
+/// One cut, or with a kerf one at each of its sides: what is above of the first, and what is below of the last, is left.
+fn cuts(surface: &Surface, plane: &CutPlane, kerf_m: f64) -> Result<Vec<Cut>, CutError> {
+    let sides = [0.5, -0.5].map(|side| CutPlane {
+        offset_m: plane.offset_m + side * kerf_m,
+        ..*plane
+    });
+    let planes = if kerf_m > 0.0 {
+        &sides[..]
+    } else {
+        &sides[..1]
+    };
+    (planes.iter())
+        .map(|plane| cut_by_plane(surface, plane))
+        .collect()
+}
+
+/// The pieces that are left: those above first.
+fn kept(cuts: &[Cut]) -> Vec<Kept<'_>> {
+    let ends = [(cuts.first(), true), (cuts.last(), false)];
+    let mut kept = Vec::new();
+    for (cut, above) in ends {
+        let Some(cut) = cut else { continue };
+        let of_side = (0..cut.pieces.len()).filter(|&piece| cut.pieces[piece].above == above);
+        kept.extend(of_side.map(|piece| Kept { cut, piece }));
+    }
+    kept
+}
+
+/// How many control points a piece gets around, and from pole to pole: as close together as those of the body, and enough
+/// for the edges of its caps.
+fn counts(rest: &Surface, cut: &Cut, piece: usize) -> [usize; 2] {
+    let net = [rest.net().rows(), rest.net().columns()];
+    // A torus, which has no poles, goes round both ways.
+    let along = usize::from(rest.topology().poles[0] != [true; 2]);
+    let whole_m2: f64 = cut.pieces.iter().map(|piece| piece.skin_area_m2).sum();
+    let piece = &cut.pieces[piece];
+    let share = ((piece.skin_area_m2 + piece.cap_area_m2) / whole_m2).sqrt();
+    let edges = piece.rim_count() + creases([rest.knots_u(), rest.knots_v()][along]);
+    let fewest = [FEWEST, FEWEST.max(FIRST_EDGE + NEXT_EDGE * edges)];
+    [0, 1].map(|d| {
+        let count = net[[1 - along, along][d]];
+        let enough = (share * count as f64).ceil() as usize;
+        enough.min(count).max(fewest[d])
+    })
+}
+
+/// How many inner knots are creases of a surface, as those of former cuts are.
+fn creases(knots: &KnotVector) -> usize {
+    let (start, end) = knots.domain();
+    let inner = |run: &&[f64]| run[0] > start && run[0] < end && run.len() >= knots.degree();
+    let runs = knots.file_knots().chunk_by(|a, b| a == b);
+    runs.filter(inner).count()
+}
+
+/// What was in the kerf, m³.
+fn lost_m3(cuts: &[Cut], kept: &[Kept<'_>]) -> f64 {
+    let [first, _] = cuts else { return 0.0 };
+    let left: f64 = (kept.iter().map(|kept| kept.piece().volume_m3)).sum();
+    whole_m3(first) - left
+}
+
+fn whole_m3(cut: &Cut) -> f64 {
+    cut.pieces.iter().map(|piece| piece.volume_m3).sum()
+}
+
+/// The share of the body that is left: 1 without a kerf.
+fn share_kept(cuts: &[Cut], kept: &[Kept<'_>]) -> f64 {
+    match cuts {
+        [first, _] => 1.0 - lost_m3(cuts, kept) / whole_m3(first),
+        _ => 1.0,
+    }
+}
+
+impl Kept<'_> {
+    fn piece(&self) -> &Piece {
+        &self.cut.pieces[self.piece]
+    }
+}
+
+/// Ids of the pieces of a body: its own, with the first numbers that are free.
+fn numbered(id: &str, count: usize, spec: &SceneSpec) -> Result<Vec<String>, SceneError> {
+    let taken = |name: &String| {
+        let bodies = spec.bodies.iter().any(|body| &body.id == name);
+        bodies || spec.tools.iter().any(|tool| &tool.id == name)
+    };
+    let ids: Vec<String> = (1..)
+        .map(|k| format!("{id}-{k}"))
+        .filter(|name| !taken(name))
+        .take(count)
+        .collect();
+    match ids.iter().find(|name| name.len() > LONGEST_ID) {
+        Some(long) => {
+            let reason = format!(
+                "the id of a piece, {long:?}, is longer than {LONGEST_ID} characters; give {id:?} a shorter one"
+            );
+            Err(SceneError::one("id", reason))
+        }
+        None => Ok(ids),
+    }
+}
+
+/// A piece of a body, which has its model and material.
+fn piece(
+    whole: &BodySpec,
+    id: &str,
+    surface: &Surface,
+    denser: f64,
+) -> Result<BodySpec, SceneError> {
+    let placement = placement(&whole.pose);
+    let local = surface.placed(&placement.inverse());
+    let local = local.map_err(|e| SceneError::one("surface", e))?;
+    let mut body = BodySpec {
+        id: id.to_owned(),
+        surface: inline(&local)?,
+        velocity_m_s: [0.0; 3],
+        spin_rad_s: [0.0; 3],
+        ..whole.clone()
+    };
+    let material = material_of(&whole.material);
+    body.material.density_kg_m3 = material.map(|material| material.density_kg_m3 * denser);
+    for region in &mut body.regions {
+        region.density_kg_m3 = region.density_kg_m3.map(|density| density * denser);
+    }
+    // Planes that hold nothing of it are of other pieces.
+    let points = local.net().points();
+    body.fixed.retain(|fixed| match fixed {
+        FixedSpec::Plane { point, normal } => {
+            let behind =
+                |p: &Point3| Vector3::from(*normal).dot(&(p - Point3::from(*point))) <= 0.0;
+            points.iter().any(behind)
+        }
+        FixedSpec::Range { .. } => true,
+    });
+    body.lattice.refine = RefineSpec::Auto(RefineAuto::None);
+    body.lattice.layers = Some(whole.layers());
+    Ok(body)
+}
+
+/// Exceptions for contacts, with each piece in the place of a body.
+fn of_each(contacts: &[ContactSpec], id: &str, pieces: &[String]) -> Vec<ContactSpec> {
+    let mut out = Vec::new();
+    for contact in contacts {
+        let names = |name: &String| match name == id {
+            true => pieces.to_vec(),
+            false => vec![name.clone()],
+        };
+        let [holders, bodies] = [0, 1].map(|k| names(&contact.pair[k]));
+        for holder in &holders {
+            let other = |body: &&String| contact.pair[0] != contact.pair[1] || *body == holder;
+            out.extend(bodies.iter().filter(other).map(|body| ContactSpec {
+                pair: [holder.clone(), body.clone()],
+                ..contact.clone()
+            }));
+        }
+    }
+    out
+}
+
+/// No contact between any two.
+fn apart(ids: &[String]) -> Vec<ContactSpec> {
+    let pairs = (ids.iter().enumerate()).flat_map(|(k, a)| ids[..k].iter().map(move |b| [a, b]));
+    let none = pairs.map(|pair| ContactSpec {
+        pair: pair.map(Clone::clone),
+        method: ContactMethod::None,
+        resolution: None,
+        friction: None,
+        restitution: None,
+        near_field: None,
+    });
+    none.collect()
+}

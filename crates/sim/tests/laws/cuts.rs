@@ -1,0 +1,224 @@
+//! Bodies that are cut while they move: their pieces have their mass and momentum, and go on as bodies like them.
+
+use crate::common::World;
+use palpate_geometry::cut::CutPlane;
+use palpate_geometry::math::{Point3, Vector3};
+use palpate_sim::scene::{Scene, SceneCut};
+use palpate_sim::tick::CarryOver;
+use std::path::Path;
+
+fn plane(point: [f64; 3], normal: [f64; 3]) -> CutPlane {
+    CutPlane::through(&Point3::from(point), &Vector3::from(normal)).expect("a direction")
+}
+
+/// Cuts a body of a world as it stands, and goes on with the pieces.
+fn cut(world: &mut World, body: &str, plane: &CutPlane, kerf_m: f64) -> SceneCut {
+    let index = world.scene.body_index(body).expect("a body");
+    let mut points = world.scene.skin(index).points().to_vec();
+    world.state.copy_net(&world.scene, index, &mut points);
+    let coordinates = world.state.coordinates(index).expect("it deforms").to_vec();
+    let done = SceneCut::new(&world.scene, index, (&points, &coordinates), plane, kerf_m);
+    let done = done.unwrap_or_else(|e| panic!("{e}"));
+    let next = Scene::build(&done.change.spec, Path::new(".")).unwrap_or_else(|e| panic!("{e}"));
+    let carry = CarryOver::new(&world.scene, &next, done.change.origins.clone());
+    let mut state = next.initial_state();
+    next.carry_over(&world.scene, &world.state, &carry, &mut state);
+    world.scratch = next.scratch(&state);
+    next.prepare(&state, &mut world.scratch);
+    (world.scene, world.state) = (next, state);
+    done
+}
+
+/// Ticks without a device.
+fn rest(world: &mut World, ticks: usize) {
+    (0..ticks).for_each(|_| drop(world.silent()));
+}
+
+/// Mass, momentum and angular momentum about the origin of all bodies.
+fn motion(world: &World) -> (f64, Vector3, Vector3) {
+    let (mut mass, mut linear, mut angular) = (0.0, Vector3::zeros(), Vector3::zeros());
+    for body in 0..world.scene.body_count() {
+        let Some(deformable) = world.scene.deformable(body) else {
+            continue;
+        };
+        let state = world.state.bodies[body].deformable.as_ref().unwrap();
+        let each = state.positions.iter().zip(&state.velocities);
+        for ((x, v), m) in each.zip(deformable.masses()) {
+            mass += m;
+            linear += v * *m;
+            angular += x.coords.cross(v) * *m;
+        }
+    }
+    (mass, linear, angular)
+}
+
+fn jelly(model: &str, more: &str) -> String {
+    format!(
+        "[[body]]\nid = \"jelly\"\nsurface = {{ builtin = \"sphere\", size = 0.03 }}\n{model}\n{more}\n\
+         [[tool]]\nid = \"pen\"\nshape = {{ sphere = {{ radius_m = 0.005 }} }}\npose = {{ position = [0.0, 0.0, 0.2] }}\n\
+         device = {{ force_max_n = 50.0, ramp_s = 0.0, speed_max_m_s = 1000.0 }}\n"
+    )
+}
+
+const MODELS: [&str; 4] = [
+    "model = \"continuum\"\nmaterial = { young_pa = 2e4, poisson = 0.45 }",
+    "model = \"lattice\"\nmaterial = { young_pa = 2e4 }",
+    "model = \"net\"\nmaterial = { young_pa = 2e4 }",
+    "model = \"continuum\"\nmaterial = { young_pa = 2e4 }\nlattice = { builder = \"transfinite\", nodes = [9, 9, 9] }",
+];
+
+#[test]
+fn pieces_have_the_mass_and_the_momentum_of_the_body() {
+    for model in MODELS {
+        let moving = "velocity_m_s = [0.1, -0.2, 0.05]\nspin_rad_s = [3.0, 10.0, -5.0]";
+        let mut world = World::new(&jelly(model, moving));
+        rest(&mut world, 50);
+        let before = motion(&world);
+        let done = cut(&mut world, "jelly", &plane([0.004, -0.01, 0.004], [0.3, 0.2, 1.0]), 0.0);
+        assert_eq!(done.pieces.len(), 2);
+        let after = motion(&world);
+        let off = [
+            after.0 / before.0 - 1.0,
+            (after.1 - before.1).norm() / before.1.norm(),
+            (after.2 - before.2).norm() / before.2.norm(),
+        ];
+        let misses = done.pieces.iter().map(|piece| piece.skin.off_m).fold(0.0, f64::max);
+        println!("{model}: {off:?}, surfaces {misses:e} m off");
+        assert!(off.iter().all(|off| off.abs() < 1e-12), "{model}: {off:?}");
+        rest(&mut world, 500);
+        let later = motion(&world);
+        assert!((later.1 - before.1).norm() < 1e-9 * before.1.norm(), "{model}");
+        for body in 0..2 {
+            let body = world.state.bodies[body].deformable.as_ref().unwrap();
+            let fastest = body.velocities.iter().map(Vector3::norm).fold(0.0, f64::max);
+            assert!(fastest < 1.0, "{model}: {fastest} m/s");
+        }
+    }
+}
+
+// At rest nothing begins to move, and nothing is left of a cut but two bodies.
+#[test]
+fn a_body_at_rest_stays_at_rest() {
+    for model in MODELS {
+        let mut world = World::new(&jelly(model, ""));
+        rest(&mut world, 5);
+        cut(&mut world, "jelly", &plane([0.0, 0.0, 0.003], [0.0, 0.1, 1.0]), 0.0);
+        rest(&mut world, 200);
+        for body in 0..2 {
+            let body = world.state.bodies[body].deformable.as_ref().unwrap();
+            let fastest = body.velocities.iter().map(Vector3::norm).fold(0.0, f64::max);
+            assert!(fastest < 1e-9, "{model}: {fastest:e} m/s");
+        }
+    }
+}
+
+#[test]
+fn a_piece_that_is_held_stays_and_the_other_falls() {
+    let held = "fixed = [{ point = [0.0, 0.0, -0.015], normal = [0.0, 0.0, 1.0] }]\n\
+                [gravity]\nacceleration = [0.0, 0.0, -9.81]";
+    let mut world = World::new(&jelly(MODELS[0], held));
+    rest(&mut world, 500);
+    let done = cut(&mut world, "jelly", &plane([0.0, 0.0, 0.0], [0.0, 0.0, 1.0]), 0.0);
+    let before = motion(&world).1;
+    rest(&mut world, 100);
+    let upper = world.scene.body_index(&done.pieces[0].id).unwrap();
+    let lower = world.scene.body_index(&done.pieces[1].id).unwrap();
+    let mean = |world: &World, body: usize| {
+        let state = world.state.bodies[body].deformable.as_ref().unwrap();
+        state.velocities.iter().sum::<Vector3>() / state.velocities.len() as f64
+    };
+    // Free fall of a tenth of a second, as nothing is between the pieces.
+    assert!((mean(&world, upper).z + 0.981).abs() < 0.02, "{} {before:?}", mean(&world, upper));
+    assert!(mean(&world, lower).norm() < 0.05);
+    assert!(world.scene.spec.bodies[upper].fixed.is_empty());
+}
+
+// The pen presses on; the force changes by what the other half bore, and no more.
+#[test]
+fn a_pen_presses_on_and_pieces_are_cut_again() {
+    for model in MODELS {
+        let held = "fixed = [{ point = [0.0, 0.0, -0.02], normal = [0.0, 0.0, 1.0] }]";
+        let mut world = World::new(&jelly(model, held));
+        let down = |k: i32| [0.012, 0.0, 0.036 - 4e-5 * f64::from(k.min(100))];
+        let mut force = 0.0;
+        for k in 0..400 {
+            force = world.at(down(k)).tools[0].force_n.norm();
+        }
+        assert!(force > 0.01, "{model}: {force} N");
+        let done = cut(&mut world, "jelly", &plane([-0.004, 0.0, 0.0], [1.0, 0.05, 0.0]), 0.0);
+        let first = world.at(down(400)).tools[0].force_n.norm();
+        let mut last = first;
+        for _ in 0..300 {
+            last = world.at(down(400)).tools[0].force_n.norm();
+        }
+        println!("{model}: {force} N, after the cut {first} N, then {last} N");
+        assert!((0.5..1.5).contains(&(first / force)), "{model}: {force} N, then {first} N");
+        assert!((0.4..1.2).contains(&(last / force)), "{model}: {force} N, at last {last} N");
+        // Again, across, while it presses.
+        let again = cut(&mut world, &done.pieces[0].id, &plane([0.0, -0.006, 0.0], [0.0, 1.0, 0.0]), 0.0);
+        assert_eq!(world.scene.body_count(), 3);
+        let now = world.at(down(400)).tools[0].force_n.norm();
+        println!("  again {now} N, {:?}", again.pieces.iter().map(|p| &p.id).collect::<Vec<_>>());
+        assert!(now > 0.3 * last, "{model}: {last} N, then {now} N");
+    }
+}
+
+// A dent in clay stays when the clay is cut.
+#[test]
+fn clay_keeps_its_dents() {
+    for model in ["continuum", "lattice"] {
+        let material = "material = { young_pa = 2e4, plastic = { yield_strain = 0.02, rate_per_s = 20.0 } }";
+        let held = "fixed = [{ point = [0.0, 0.0, -0.02], normal = [0.0, 0.0, 1.0] }]";
+        let mut world = World::new(&jelly(&format!("model = \"{model}\"\n{material}"), held));
+        for k in 0..600 {
+            world.at([0.0, 0.0, 0.036 - 8e-5 * f64::from(k.min(100))]);
+        }
+        for _ in 0..600 {
+            world.at([0.0, 0.0, 0.06]);
+        }
+        let top = |world: &World| {
+            let mut highest = f64::NEG_INFINITY;
+            for body in 0..world.scene.body_count() {
+                let mut points = world.scene.skin(body).points().to_vec();
+                world.state.copy_net(&world.scene, body, &mut points);
+                let near = points.iter().filter(|p| p.x.hypot(p.y) < 0.006);
+                highest = near.map(|p| p.z).fold(highest, f64::max);
+            }
+            highest
+        };
+        let before = top(&world);
+        let whole = World::new(&jelly(&format!("model = \"{model}\"\n{material}"), held));
+        let dent = top(&whole) - before;
+        assert!(dent > 1e-3, "{model}: {dent} m");
+        cut(&mut world, "jelly", &plane([0.008, 0.0, 0.0], [1.0, 0.0, 0.0]), 0.0);
+        rest(&mut world, 600);
+        let kept = top(&whole) - top(&world);
+        println!("{model}: dent of {dent} m, {kept} m after the cut");
+        assert!((kept / dent - 1.0).abs() < 0.15, "{model}: {dent} m, {kept} m");
+    }
+}
+
+#[test]
+fn what_cannot_be_cut_says_why() {
+    let rigid = World::new("[[body]]\nid = \"ball\"\nsurface = { builtin = \"sphere\" }\n");
+    let sheet = World::new(
+        "[[body]]\nid = \"sheet\"\nsurface = { builtin = \"sheet\" }\nmodel = \"membrane\"\nlattice = { thickness_m = 1e-3 }\n",
+    );
+    let soft = World::new(&jelly(MODELS[0], ""));
+    let ring = World::new(
+        "[[body]]\nid = \"ring\"\nsurface = { builtin = \"torus\" }\nmodel = \"continuum\"\n",
+    );
+    let z = plane([0.0; 3], [0.0, 0.0, 1.0]);
+    let far = plane([0.0, 0.0, 0.2], [0.0, 0.0, 1.0]);
+    for (world, plane, word) in [
+        (&rigid, &z, "is rigid"),
+        (&sheet, &z, "has no inside"),
+        (&soft, &far, "does not cut"),
+        (&ring, &z, "holes"),
+    ] {
+        let points = world.scene.skin(0).points();
+        let coordinates = world.state.coordinates(0).unwrap_or(&[]);
+        let error = SceneCut::new(&world.scene, 0, (points, coordinates), plane, 0.0).unwrap_err();
+        assert!(error.to_string().contains(word), "{error}");
+    }
+}
