@@ -1,4 +1,4 @@
-//! Scenes edited while they run: merge and isolate, asked for by a client, under a tool that
+//! Scenes edited while they run: merge, isolate and truncate, asked for by a client, under a tool that
 //! presses, recorded and replayed.
 
 use palpate::recording::{Session, replay};
@@ -58,11 +58,11 @@ fn call(method: &str, names: &[&str], more: &str) -> Call {
     Call::parse(method, arguments.as_bytes()).unwrap()
 }
 
-fn refused(palpate: &Palpate, call: Call) -> String {
+pub fn refused(palpate: &Palpate, call: Call) -> String {
     palpate.call(call).unwrap_err().to_string()
 }
 
-fn ids(palpate: &Palpate) -> Vec<String> {
+pub fn ids(palpate: &Palpate) -> Vec<String> {
     palpate
         .scene()
         .unwrap()
@@ -84,7 +84,7 @@ fn net(palpate: &Palpate, id: &str) -> Vec<[f64; 3]> {
 }
 
 /// A file replays bit for bit, and begins where the one before it ended.
-fn replays(path: &Path, after: u64) -> (Session, u64) {
+pub fn replays(path: &Path, after: u64) -> (Session, u64) {
     let session = Session::open(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
     assert!(
         session.is_clean() && session.gaps() == 0,
@@ -141,6 +141,9 @@ fn bodies_are_moved_apart_and_merged_under_a_tool_and_each_part_of_the_recording
             "{p:?} {q:?}"
         );
     }
+    // The sheet is pressed as before, though no tick has run since.
+    let lowest = |points: Vec<[f64; 3]>| points.iter().map(|p| p[2]).fold(0.0, f64::min);
+    assert!(lowest(net(session.palpate(), "left")) < -1e-3);
     press(&mut session, &mut pen, 200);
     // Once more there is nothing to do: no other scene, no other file.
     let again = session.palpate().call(apart).unwrap();

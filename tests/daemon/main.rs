@@ -21,6 +21,7 @@ mod agones;
 mod batch;
 mod clients;
 mod crash;
+mod cutting;
 mod damage;
 #[path = "devices/mod.rs"]
 mod devices;

@@ -15,6 +15,7 @@ use super::spec::{
     RefineSpec, SceneSpec,
 };
 use crate::body::Deformed;
+use palpate_geometry::basis::KnotVector;
 use palpate_geometry::cut::{
     Cut, CutError, CutPlane, Piece, PieceSkin, PieceSkinError, SkinSpec, cut_by_plane,
 };
@@ -23,6 +24,9 @@ use palpate_geometry::surface::{Surface, SurfaceError};
 
 /// Fewest control points of a piece around, and from pole to pole.
 const FEWEST: usize = 8;
+/// From pole to pole: so many with [`NEXT_EDGE`] for each sharp edge on the way.
+const FIRST_EDGE: usize = 4;
+const NEXT_EDGE: usize = 3;
 /// Characters of an id at most.
 const LONGEST_ID: usize = 64;
 
@@ -248,7 +252,8 @@ fn kept(cuts: &[Cut]) -> Vec<Kept<'_>> {
     kept
 }
 
-/// How many control points a piece gets around, and from pole to pole: as close together as those of the body.
+/// How many control points a piece gets around, and from pole to pole: as close together as those of the body, and enough
+/// for the edges of its caps.
 fn counts(rest: &Surface, cut: &Cut, piece: usize) -> [usize; 2] {
     let net = [rest.net().rows(), rest.net().columns()];
     // A torus, which has no poles, goes round both ways.
@@ -256,10 +261,21 @@ fn counts(rest: &Surface, cut: &Cut, piece: usize) -> [usize; 2] {
     let whole_m2: f64 = cut.pieces.iter().map(|piece| piece.skin_area_m2).sum();
     let piece = &cut.pieces[piece];
     let share = ((piece.skin_area_m2 + piece.cap_area_m2) / whole_m2).sqrt();
-    [net[1 - along], net[along]].map(|count| {
+    let edges = piece.rim_count() + creases([rest.knots_u(), rest.knots_v()][along]);
+    let fewest = [FEWEST, FEWEST.max(FIRST_EDGE + NEXT_EDGE * edges)];
+    [0, 1].map(|d| {
+        let count = net[[1 - along, along][d]];
         let enough = (share * count as f64).ceil() as usize;
-        enough.min(count).max(FEWEST)
+        enough.min(count).max(fewest[d])
     })
+}
+
+/// How many inner knots are creases of a surface, as those of former cuts are.
+fn creases(knots: &KnotVector) -> usize {
+    let (start, end) = knots.domain();
+    let inner = |run: &&[f64]| run[0] > start && run[0] < end && run.len() >= knots.degree();
+    let runs = knots.file_knots().chunk_by(|a, b| a == b);
+    runs.filter(inner).count()
 }
 
 /// What was in the kerf, m³.
