@@ -2,6 +2,7 @@
 
 handle.json: a strip of 150 mm × 16 mm in z = 0, normal +z, u along it; scenes give it its thickness.
 box.json: a box with flat faces on z = 0, its edges rounded.
+loaf.json: a block of 70 mm × 36 mm × 24 mm on z = 0, round everywhere.
 puck.json: a cylinder of radius 20 mm and height 20 mm on z = 0 with flat faces and a rim rounded by half a millimetre.
 bowl.json: a bowl of 60 mm × 40 mm, its tip at x = -60 mm, its neck at x = 0, where it is as wide as the handle; 12 mm
 deep for the merge, 6 mm for the jelly. Control points are places of these functions, so that the surfaces are smooth versions of them.
@@ -90,6 +91,24 @@ def box(length, width, height, rounded):
     return of_rings("box", [[(part * x, part * y, z) for part, z in profile] for x, y in around])
 
 
+def loaf(length, width, height):
+    # A superellipsoid of exponent 3, its poles at the ends.
+    def power(x):
+        return math.copysign(abs(x) ** (2 / 3), x)
+
+    rows, around = 13, 16
+    rings = []
+    for k in range(around):
+        angle = 2 * math.pi * k / around
+        ring = []
+        for t in greville(rows):
+            along, out = power(math.sin(math.pi * (t - 0.5))), power(math.sin(math.pi * t))
+            y, z = power(math.cos(angle)) * out, power(math.sin(angle)) * out
+            ring.append((0.5 * length * along, 0.5 * width * y, 0.5 * height * (z + 1)))
+        rings.append(ring)
+    return of_rings("loaf", rings)
+
+
 def write(document, *folders):
     for folder in folders:
         path = HERE / folder / f"{document['name']}.json"
@@ -102,3 +121,4 @@ write(surface("bowl", (12, 10), bowl(0.006)), "jelly", "jelly-shake")
 write(puck(0.02, 0.02), "stack")
 write(box(0.006, 0.02, 0.04, 0.0005), "dominoes")
 write(box(0.04, 0.02, 0.02, 0.001), "wall")
+write(loaf(0.07, 0.036, 0.024), "cut")

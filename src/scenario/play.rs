@@ -6,16 +6,18 @@ use super::files::Source;
 use super::hands::HandAtWork;
 use super::measure::{Meter, View};
 use super::scan::StiffnessMap;
-use super::spec::{RunSpec, ScenarioError};
+use super::spec::{CutSpec, RunSpec, ScenarioError};
 use crate::drive::journal::Journal;
 use crate::drive::nets::NetPool;
 use crate::drive::ports::BUS_NETS;
 use crate::recording::{Recorder, RecorderPort, RecorderSettings};
+use palpate_geometry::cut::CutPlane;
 use palpate_geometry::exchange::Format;
 use palpate_geometry::math::state_hash;
 use palpate_proto::text::located;
+use palpate_sim::body::Deformable;
 use palpate_sim::scene::spec::Clock;
-use palpate_sim::scene::{Scene, file, inline_files};
+use palpate_sim::scene::{Scene, SceneChange, SceneCut, file, inline_files};
 use palpate_sim::tick::record::TickRecord;
 use palpate_sim::tick::stage::{Stage, StageTimes};
 use palpate_sim::tick::{SceneState, Scratch, deform, hash, render};
@@ -83,11 +85,35 @@ fn scene_of(run: &RunSpec, source: &Source) -> Result<(file::Loaded, Scene), Sce
     };
     let mut loaded = file::parse(&text, "scene.toml", Path::new(".")).map_err(at)?;
     loaded.spec.loop_.clock = Clock::Lockstep;
-    let scene = loaded.build_to_run().map_err(at)?;
+    let mut scene = loaded.build_to_run().map_err(at)?;
+    for cut in &run.cut {
+        let change = cut_at_rest(&scene, cut).map_err(wrong)?;
+        loaded.text = toml::to_string(&change.spec).map_err(|error| wrong(error.to_string()))?;
+        loaded.spec = change.spec;
+        scene = loaded.build_to_run().map_err(at)?;
+    }
     for finding in scene.warnings() {
         tracing::warn!(run = run.name, "{}", loaded.told(finding));
     }
     Ok((loaded, scene))
+}
+
+/// The scene with a body in pieces.
+fn cut_at_rest(scene: &Scene, spec: &CutSpec) -> Result<SceneChange, String> {
+    let body = (scene.body_index(&spec.body))
+        .ok_or_else(|| format!("cut: the scene has no body {:?}", spec.body))?;
+    let plane = CutPlane::through(&spec.point.into(), &spec.normal.into())
+        .ok_or("cut: a plane needs a finite point and a normal longer than 0")?;
+    if !(0.0..=1.0).contains(&spec.kerf_m) {
+        return Err(format!(
+            "cut: kerf_m is {}; it must be 0 to 1 m",
+            spec.kerf_m
+        ));
+    }
+    let coordinates = scene.deformable(body).map_or(&[][..], Deformable::rest);
+    let standing = (scene.skin(body).points(), coordinates);
+    let cut = SceneCut::new(scene, body, standing, &plane, spec.kerf_m);
+    Ok(cut.map_err(|error| format!("cut: {error}"))?.change)
 }
 
 /// Writes surfaces and motions that are files of the scenario out in place.

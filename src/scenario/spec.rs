@@ -93,6 +93,9 @@ pub struct RunSpec {
     /// arrays of tables are named by their `id`, or counted from 0.
     #[serde(default)]
     pub set: BTreeMap<String, toml::Value>,
+    /// Bodies that are cut before the simulation, one after the other.
+    #[serde(default)]
+    pub cut: Vec<CutSpec>,
     /// What moves tools, by tool.
     #[serde(default)]
     pub hands: BTreeMap<String, HandSpec>,
@@ -105,6 +108,21 @@ pub struct RunSpec {
     /// A spine whose safe radius is asked for.
     #[serde(default)]
     pub pipe: Option<PipeSpec>,
+}
+
+/// `cut = [{ body = "gel", point = [0.01, 0.0, 0.0], normal = [1.0, 0.0, 0.0] }]`.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CutSpec {
+    /// Id of a body that deforms: of the scene, or a piece of an earlier cut.
+    pub body: String,
+    /// A point of the plane, m, in the world.
+    pub point: [f64; 3],
+    /// Across the plane, any length above 0.
+    pub normal: [f64; 3],
+    /// Width of what is lost, m; with none, pieces do not touch each other.
+    #[serde(default)]
+    pub kerf_m: f64,
 }
 
 /// `merge = { surface = "bowl.json", body = "handle", continuity = 1, output = "spoon.step" }`.

@@ -27,6 +27,13 @@ const FEWEST: usize = 8;
 /// From pole to pole: so many with [`NEXT_EDGE`] for each sharp edge on the way.
 const FIRST_EDGE: usize = 4;
 const NEXT_EDGE: usize = 3;
+/// Of a piece's size: surfaces that miss it by more are made once more, with more control points …
+const FAR: f64 = 1e-2;
+/// … by so much in each direction, up to a number …
+const FINER: f64 = 1.5;
+const MOST: usize = 36;
+/// … and those that miss it by more are refused.
+const FARTHEST: f64 = 0.06;
 /// Characters of an id at most.
 const LONGEST_ID: usize = 64;
 
@@ -56,6 +63,21 @@ pub enum SceneCutError {
         body: String,
         /// Why.
         error: PieceSkinError,
+    },
+    /// A shape that no net of a few hundred points has.
+    #[error(
+        "the surface of piece {piece} of body {body:?} would be {off_m:.2e} m off, of a size of {size_m:.2e} m: move the plane, or \
+         refine the body's net"
+    )]
+    Off {
+        /// From 1.
+        piece: usize,
+        /// The body's id.
+        body: String,
+        /// m.
+        off_m: f64,
+        /// Root of the piece's area, m.
+        size_m: f64,
     },
     /// All cells are flat.
     #[error(
@@ -122,17 +144,22 @@ impl SceneCut {
             .map_err(|error| SceneCutError::Cut { body: id(), error })?;
         let kept = kept(&cuts);
         let mut skins = Vec::new();
-        for (k, Kept { cut, piece }) in kept.iter().enumerate() {
-            let spec = SkinSpec {
-                counts: counts(rest, cut, *piece),
-                ..SkinSpec::default()
-            };
-            let skin = cut.skin(*piece, rest, &mut |now| deformed.at_rest(now), &spec);
-            skins.push(skin.map_err(|error| SceneCutError::Piece {
+        for (k, skin) in skins_of(&kept, rest, &deformed).into_iter().enumerate() {
+            let skin = skin.map_err(|error| SceneCutError::Piece {
                 piece: k + 1,
                 body: id(),
                 error,
-            })?);
+            })?;
+            let size_m = kept[k].size_m();
+            if skin.off_m > FARTHEST * size_m {
+                return Err(SceneCutError::Off {
+                    piece: k + 1,
+                    body: id(),
+                    off_m: skin.off_m,
+                    size_m,
+                });
+            }
+            skins.push(skin);
         }
         let surfaces: Vec<&Surface> = skins.iter().map(|skin| &skin.surface).collect();
         let (change, ids) = SceneChange::cut(scene, body, &surfaces, share_kept(&cuts, &kept))?;
@@ -192,7 +219,7 @@ impl SceneChange {
     /// start.
     ///
     /// # Errors
-    /// A body that may not be cut, as [`check_cut`] says; ids that are too long.
+    /// A body that may not be cut, ids that are too long.
     pub fn cut(
         scene: &Scene,
         body: usize,
@@ -301,6 +328,49 @@ impl Kept<'_> {
     fn piece(&self) -> &Piece {
         &self.cut.pieces[self.piece]
     }
+
+    /// Root of its area, m.
+    fn size_m(&self) -> f64 {
+        let piece = self.piece();
+        (piece.skin_area_m2 + piece.cap_area_m2).sqrt()
+    }
+
+    /// Its boundary at rest as one surface.
+    fn skin(&self, rest: &Surface, deformed: &Deformed) -> Result<PieceSkin, PieceSkinError> {
+        let Self { cut, piece } = *self;
+        let made = |counts: [usize; 2]| {
+            let spec = SkinSpec {
+                counts,
+                ..SkinSpec::default()
+            };
+            cut.skin(piece, rest, &mut |now| deformed.at_rest(now), &spec)
+        };
+        let counts = counts(rest, cut, piece);
+        let skin = made(counts)?;
+        if skin.off_m <= FAR * self.size_m() {
+            return Ok(skin);
+        }
+        let more = |count: usize| ((FINER * count as f64) as usize).min(MOST).max(count);
+        Ok(match made(counts.map(more)) {
+            Ok(finer) if finer.off_m < skin.off_m => finer,
+            _ => skin,
+        })
+    }
+}
+
+/// The boundaries of pieces at rest, side by side.
+fn skins_of(
+    kept: &[Kept<'_>],
+    rest: &Surface,
+    deformed: &Deformed,
+) -> Vec<Result<PieceSkin, PieceSkinError>> {
+    let mut skins: Vec<_> = kept.iter().map(|_| None).collect();
+    std::thread::scope(|threads| {
+        for (kept, skin) in kept.iter().zip(&mut skins) {
+            threads.spawn(move || *skin = Some(kept.skin(rest, deformed)));
+        }
+    });
+    skins.into_iter().flatten().collect()
 }
 
 /// Ids of the pieces of a body: its own, with the first numbers that are free.

@@ -334,7 +334,8 @@ impl PartDepths {
                 .may_reach(&(pose * nalgebra::center(low, high)), &half)
         };
         let Self { faces, wires, .. } = self;
-        (faces.clear(), wires.clear());
+        faces.clear();
+        wires.clear();
         let part = aim.placed.part();
         part.passing_faces(passes, |face| faces.push(face));
         part.passing_wires(passes, |wire| wires.push(wire));

@@ -352,7 +352,9 @@ fn along(
     }
     let at = |k: usize| k as f64 / looks as f64;
     let mut places = [(Point3::origin(), Vector3::zeros()); LOOKS + 1];
-    (0..=looks).for_each(|k| places[k] = point(at(k)));
+    for (k, place) in places.iter_mut().take(looks + 1).enumerate() {
+        *place = point(at(k));
+    }
     let chord_m = |k: usize| (places[k + 1].0 - places[k].0).norm();
     // Between two looks an edge is no longer than twice the way.
     let step_m = 2.0 * (0..looks).map(chord_m).fold(0.0, f64::max);
