@@ -18,7 +18,7 @@ import numpy as np
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 HERE = pathlib.Path(__file__).parent
-SKIN = {"bowl": "#9aa7b4", "jelly": "#d1495b", "plate": "#9aa7b4", "floor": "#9aa7b4", "puck-1": "#d1495b"}
+SKIN = {"bowl": "#9aa7b4", "jelly": "#d1495b", "plate": "#9aa7b4", "floor": "#9aa7b4", "puck-1": "#d1495b", "gel-2-1": "#d1495b"}
 
 # By scenario: panels of (run, tick, title), view (elevation, azimuth), bodies to leave out.
 PANELS = {
@@ -34,6 +34,7 @@ PANELS = {
     "stack": ([("tower", 2000, "ten alike"), ("heavy on light", 2000, "the second 100 times as heavy")], (10, -70)),
     "dominoes": ([("row", 250, "0.25 s"), ("row", 1200, "after 1.2 s")], (14, -75)),
     "wall": ([("wall", 500, "at rest")], (14, -60)),
+    "cut": ([("two cuts", 10, "cut"), ("two cuts", 3500, "pushed")], (24, -60)),
     "tele-touch": ([("both near", 1000, "both press, near"), ("20 ms away", 1000, "both press, 20 ms away")], (16, -70)),
 }
 
@@ -43,7 +44,7 @@ STRETCH = {"spoon-grip": 6.0, "plasticine": 10.0, "spoon-weight": 400.0, "tele-t
 # Only what is nearer to the middle than this, m.
 NEAR = {"plasticine": 0.02, "stack": 0.06, "dominoes": 0.23, "wall": 0.12}
 # Bodies left out.
-OUT = {"plate"}
+OUT = {"plate", "table"}
 
 
 def run(*command):

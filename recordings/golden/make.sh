@@ -80,3 +80,4 @@ record four-hands scenes/four-hands.toml 1050ms tip:tap:0.004:touch:6 ring:press
 scenario spoon-grip spoon-grip "four grips" 700ms
 scenario jelly-shake jelly-shake "8 degrees, shaken along" 1200ms
 scenario two-hands two-hands "both hands" 900ms
+scenario cut-in-three "$here/small-cut" "two cuts" 600ms

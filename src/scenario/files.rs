@@ -31,6 +31,7 @@ builtin! {
     "stack": "scenario.toml", "scene.toml", "puck.json";
     "dominoes": "scenario.toml", "scene.toml", "box.json";
     "wall": "scenario.toml", "scene.toml", "box.json";
+    "cut": "scenario.toml", "scene.toml", "push.toml", "loaf.json";
 }
 
 /// Scenes of the program without hands: name and text.

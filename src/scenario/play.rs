@@ -88,7 +88,6 @@ fn scene_of(run: &RunSpec, source: &Source) -> Result<(file::Loaded, Scene), Sce
     let mut scene = loaded.build_to_run().map_err(at)?;
     for cut in &run.cut {
         let change = cut_at_rest(&scene, cut).map_err(wrong)?;
-        loaded.text = toml::to_string(&change.spec).map_err(|error| wrong(error.to_string()))?;
         loaded.spec = change.spec;
         scene = loaded.build_to_run().map_err(at)?;
     }
