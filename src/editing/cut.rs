@@ -3,7 +3,8 @@
 use super::Edited;
 use palpate_geometry::cut::CutPlane;
 use palpate_geometry::math::Point3;
-use palpate_sim::scene::{BodyPiece, Scene, SceneCut};
+use palpate_sim::scene::spec::BodySpec;
+use palpate_sim::scene::{BodyPiece, Scene, SceneChange, SceneCut};
 use serde_json::{Value, json};
 use std::time::Instant;
 
@@ -20,7 +21,7 @@ pub(super) fn cut(
     let cut = SceneCut::new(scene, body, standing, plane, kerf_m).map_err(|e| e.to_string())?;
     tracing::debug!(took_s = begun.elapsed().as_secs_f64(), "cut");
     let report = json!({
-        "pieces": cut.pieces.iter().map(told).collect::<Vec<_>>(),
+        "pieces": cut.pieces.iter().map(|piece| told(&cut.change, piece)).collect::<Vec<_>>(),
         "lost": cut.lost_m3,
         "plane": { "point": xyz(&plane.origin()), "normal": <[f64; 3]>::from(plane.normal) },
     });
@@ -35,9 +36,10 @@ pub(super) fn cut(
     })
 }
 
-/// A piece for the client: of the cut as the body stood, but its net.
-fn told(BodyPiece { id, piece, skin }: &BodyPiece) -> Value {
+/// A piece for the client: of the cut as the body stood, but its net, model and layers.
+fn told(change: &SceneChange, BodyPiece { id, piece, skin }: &BodyPiece) -> Value {
     let net = skin.surface.net();
+    let spec = change.spec.bodies.iter().find(|body| &body.id == id);
     json!({
         "id": id,
         "above": piece.above,
@@ -48,6 +50,8 @@ fn told(BodyPiece { id, piece, skin }: &BodyPiece) -> Value {
         "creases": skin.creases,
         "rims": skin.rims,
         "net": [net.rows(), net.columns()],
+        "model": spec.map(BodySpec::model),
+        "layers": spec.map(BodySpec::layers),
     })
 }
 

@@ -7,6 +7,7 @@
 //! in the thesis' figures 5.9 and 5.10. Bodies that move, against the exact step of the same
 //! integrator.
 
+mod cuts;
 mod growth;
 mod hard;
 mod indent;
@@ -94,6 +95,7 @@ pub fn deformation(effort: Effort, cases: Cases<'_>, out: &mut dyn FnMut(Row)) -
     }
     motion::rows(effort, &wanted, out);
     poking::rows(effort, &wanted, out);
+    cuts::cuts(effort, &wanted, out);
     passes::rows(effort, &wanted, out);
     growth::rows(effort, &wanted, out);
     plasticine::rows(effort, &wanted, out)

@@ -240,6 +240,16 @@ pub(super) fn tables() -> Vec<Table> {
         },
         Table {
             of_simulation: true,
+            ..rows(
+                "cuts",
+                "docs/cut.md",
+                &[Rows(Suite::Deformation, &[("cut/*", "*")])],
+                &[Median, Error, Note],
+                &["crates/bench/src/deformation/cuts.rs", GEOMETRY],
+            )
+        },
+        Table {
+            of_simulation: true,
             ..rows_at(
                 Effort::Quick,
                 "parts",

@@ -133,28 +133,58 @@ impl Tetrahedra {
     pub fn shares(&self, place: &Point3) -> Shares {
         let [x, y, z] = self.bin(place);
         let near = &self.bins[(x * self.counts[1] + y) * self.counts[2] + z];
-        let mut best = (f64::INFINITY, 0);
+        let mut best = Best::default();
         for &k in near {
-            self.look(k as usize, place, &mut best);
+            best.look(&self.all, k as usize, place);
         }
-        let side_m = self.all[best.1].radius_m;
-        if best.0 > ROUNDING * side_m {
+        if best.outside_m > 0.0 {
             for k in 0..self.all.len() {
                 let one = &self.all[k];
-                if (place - one.middle).norm() - one.radius_m < best.0 {
-                    self.look(k, place, &mut best);
+                if (place - one.middle).norm() - one.radius_m < best.outside_m {
+                    best.look(&self.all, k, place);
                 }
             }
         }
-        let held = &self.all[best.1];
+        let held = &self.all[best.one];
         let shares = held.shares(place);
         [0, 1, 2, 3].map(|k| (held.nodes[k], shares[k]))
     }
+}
 
-    fn look(&self, k: usize, place: &Point3, best: &mut (f64, usize)) {
-        let outside_m = self.all[k].outside_m(&self.all[k].shares(place));
-        if outside_m < best.0 {
-            *best = (outside_m, k);
+/// The best tetrahedron for a place: the one that it is least outside of; of several that hold it, as where cells with bent
+/// faces overlap, the one in which it is nearest to a node, so that a node is always itself.
+struct Best {
+    outside_m: f64,
+    largest: f64,
+    one: usize,
+}
+
+impl Default for Best {
+    fn default() -> Self {
+        Self {
+            outside_m: f64::INFINITY,
+            largest: 0.0,
+            one: 0,
+        }
+    }
+}
+
+impl Best {
+    fn look(&mut self, all: &[Tetrahedron], one: usize, place: &Point3) {
+        let shares = all[one].shares(place);
+        let outside_m = all[one].outside_m(&shares);
+        // Held but for rounding is held.
+        let outside_m = match outside_m <= ROUNDING * all[one].radius_m {
+            true => 0.0,
+            false => outside_m,
+        };
+        let largest = shares.iter().copied().fold(0.0, f64::max);
+        if outside_m < self.outside_m || outside_m == self.outside_m && largest > self.largest {
+            *self = Self {
+                outside_m,
+                largest,
+                one,
+            };
         }
     }
 }

@@ -5,7 +5,7 @@
 //! X + Σ w (x − X_w), with the shares w of the cell that holds X, which gives any affine motion exactly; so do velocities.
 
 use super::deformable::Deformable;
-use super::elements::continuum::CellCarry;
+use super::elements::continuum::{CellCarry, SpringCarry};
 use super::elements::spring_table::SpringTable;
 use super::matter::Matter;
 use super::node_map::{NodeMap, SparseRows};
@@ -35,6 +35,8 @@ enum FlowCarry {
     /// (springs of the piece) × (springs of the body).
     Springs(SparseRows),
     Cells(CellCarry),
+    /// Of a piece in which no continuum has cells.
+    CellsToSprings(SpringCarry),
 }
 
 impl Transfer {
@@ -63,6 +65,11 @@ impl Transfer {
             (Some(Flow::Cells(_)), Some(Flow::Cells(_))) => {
                 let (old, new) = (old.law.continuum.as_ref(), new.law.continuum.as_ref());
                 Some(FlowCarry::Cells(CellCarry::new(old?, new?)))
+            }
+            (Some(Flow::Cells(_)), Some(Flow::Springs(_))) => {
+                let springs = lines(&new.law.springs, &new.map.nodes(&new.rest));
+                let solid = old.law.continuum.as_ref()?;
+                Some(FlowCarry::CellsToSprings(SpringCarry::new(solid, &springs)))
             }
             _ => None,
         };
@@ -100,6 +107,17 @@ impl Transfer {
                 (&old.rest_lengths, &old.plastic_strain),
                 (&mut new.rest_lengths, &mut new.plastic_strain),
             ),
+            Some(FlowCarry::CellsToSprings(springs)) => {
+                let first = piece.law.springs.rest();
+                springs.each(
+                    (&old.rest_lengths, &old.plastic_strain),
+                    |spring, ratio, strain| {
+                        let (block, place) = (spring / 4, spring % 4);
+                        new.rest_lengths[block][place] = first[block][place] * ratio;
+                        new.plastic_strain[block][place] = strain;
+                    },
+                );
+            }
             None => {}
         }
     }

@@ -360,7 +360,7 @@ fn along(
     let step_m = 2.0 * (0..looks).map(chord_m).fold(0.0, f64::max);
     let counts = |k: usize| {
         let beside = k.saturating_sub(1)..=(k + 1).min(looks);
-        let fixed = edge.is_round() && k % EVERY == 0;
+        let fixed = edge.is_round() && k.is_multiple_of(EVERY);
         let reach_m = step_m * if fixed { EVERY as f64 } else { 1.0 };
         let mut near = beside.map(|k| below.may_touch(&places[k].0, reach_m));
         k == 0 || k == looks || near.any(|near| near)
@@ -377,7 +377,7 @@ fn along(
         };
         let foot = foot.unwrap_or_else(|| below.closest(&p));
         feet[k] = Some((foot, below.slope(&foot, &way) / length_m));
-        if edge.is_round() && k < looks && k % EVERY == 0 {
+        if edge.is_round() && k < looks && k.is_multiple_of(EVERY) {
             push(set, reach, below.contact(&foot, &p, ToolPoint::Round));
         }
     }

@@ -295,6 +295,81 @@ fn store(metrics: &mut [Lane], lane: usize, cell: usize, s: &Matrix3) {
     }
 }
 
+/// A point where a cell is integrated: its number (4 × its lane + its cell), its place at rest, m, and J₀ = ∂x/∂ξ there.
+type FlowPoint = (usize, Point3, Matrix3);
+
+/// Points of a solid by their places at rest.
+struct FlowPoints {
+    all: Vec<FlowPoint>,
+    bins: Bins,
+}
+
+impl FlowPoints {
+    fn of(solid: &ContinuumLaw) -> Self {
+        let all = solid.points_at_rest();
+        let volumes = all.iter().map(|point| point.2.determinant().abs());
+        // Points of a cell are closer than its edges.
+        let side_m = 2.0 * libm::cbrt(volumes.fold(0.0, f64::max));
+        let bins = Bins::new(
+            side_m.max(f64::MIN_POSITIVE),
+            all.iter().map(|point| point.1),
+        );
+        Self { all, bins }
+    }
+
+    fn nearest(&self, place: &Point3) -> Option<&FlowPoint> {
+        let mut best = (f64::INFINITY, None);
+        self.bins.around(place, |k| {
+            let away = (self.all[k].1 - place).norm_squared();
+            if away < best.0 {
+                best = (away, Some(k));
+            }
+        });
+        best.1.map(|k| &self.all[k])
+    }
+}
+
+/// How the flow of a solid goes on in springs in its place: each is drawn as the matter around its middle is.
+#[derive(Debug)]
+pub(in crate::body) struct SpringCarry {
+    /// Numbers of a spring and of the point that it follows, J₀ of that, and the spring's direction at rest.
+    springs: Vec<(usize, usize, Matrix3, Vector3)>,
+}
+
+impl SpringCarry {
+    /// From a solid to springs with these numbers, middles and directions; both at rest in the world.
+    pub(in crate::body) fn new(from: &ContinuumLaw, to: &[(usize, Point3, Vector3)]) -> Self {
+        let from = FlowPoints::of(from);
+        let follow = |(spring, middle, along): &(usize, Point3, Vector3)| {
+            let (point, _, frame) = from.nearest(middle)?;
+            Some((*spring, *point, *frame, *along))
+        };
+        Self {
+            springs: to.iter().filter_map(follow).collect(),
+        }
+    }
+
+    /// Hands out each spring, by how much flow has drawn it, and the plastic strain there.
+    pub(in crate::body) fn each(
+        &self,
+        (metrics, strains): (&[Lane], &[Lane]),
+        mut out: impl FnMut(usize, f64, f64),
+    ) {
+        for (spring, point, frame, along) in &self.springs {
+            let (lane, cell) = (point / 4, point % 4);
+            // Cp⁻¹ = J₀ S J₀ᵀ; a line along d is drawn by √(d Cp d).
+            let drawn = frame * load(metrics, lane, cell) * frame.transpose();
+            let Some(right) = drawn.try_inverse() else {
+                continue;
+            };
+            let ratio = along.dot(&(right * along)).sqrt();
+            if ratio.is_finite() {
+                out(*spring, ratio, strains[lane][cell]);
+            }
+        }
+    }
+}
+
 /// How the flow of a solid goes on in another of the same matter: each point takes over that of the nearest.
 #[derive(Debug)]
 pub(in crate::body) struct CellCarry {
@@ -349,8 +424,7 @@ impl CellCarry {
 }
 
 impl ContinuumLaw {
-    /// Each point's number (4 × its lane + its cell), its place at rest, m, and J₀ = ∂x/∂ξ there.
-    fn points_at_rest(&self) -> Vec<(usize, Point3, Matrix3)> {
+    fn points_at_rest(&self) -> Vec<FlowPoint> {
         let rest: Vec<Lane> = self.rest.iter().map(|p| [p.x, p.y, p.z, 0.0]).collect();
         let places = self.places_of_points();
         let mut frames = vec![Matrix3::zeros(); 4 * self.blocks.len() * self.point_count()];

@@ -26,7 +26,7 @@ mod unknown;
 use crate::body::cells::{Cell, CellGrid};
 pub use barrier::VolumeBarrier;
 pub use elastic::Elastic;
-pub(in crate::body) use flow::{CellCarry, CellFlow};
+pub(in crate::body) use flow::{CellCarry, CellFlow, SpringCarry};
 use kernel::CellBlock;
 pub(in crate::body) use kernel::{areas_squared, inverses, squares_at_centre, stretched};
 use palpate_geometry::math::lanes::{Baseline, Lanes};
