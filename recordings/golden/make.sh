@@ -66,7 +66,7 @@ scenario() {
 
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
-VIEWS="" record rigid-teardrop-press scenes/rigid-teardrop.toml 1500ms ball:press:0.004:ideal:3
+VIEWS="" record rigid-teardrop-press scenes/rigid-teardrop.toml 1350ms ball:press:0.004:ideal:3
 record small-lattice-press recordings/golden/small-lattice.toml 1500ms ball:press:0.004:ideal:3
 record small-net-tap recordings/golden/small-net.toml 250ms ball:tap:0.006:ideal:11
 record two-drops-press scenes/two-drops.toml 1500ms ball:press:0.03:ideal:3
