@@ -427,7 +427,7 @@ fn planes_everywhere_give_pieces_or_reasons() {
     let mut offs = Vec::new();
     let mut reasons: Vec<String> = Vec::new();
     let mut slow = 0.0_f64;
-    for k in 0..110 {
+    for k in 0..40 {
         let body = match k % 5 {
             0 => builtin("teardrop", Some([[8, 8], [12, 12]][k / 5 % 2]), None).unwrap(),
             1 => bent(),
