@@ -334,26 +334,18 @@ pose = { position = [0.0, 0.0, 0.5] }
         let count = allocations(|| swap.exchange(&mut old, &mut state, &mut scratch));
         assert_eq!(count, 0);
         let after = state.bodies[0].deformable.as_ref().unwrap();
-        let body = old.deformable(0).unwrap();
-        let controls = 0..old.skin(0).points().len();
-        let mut outer = vec![false; before.positions.len()];
-        controls.for_each(|k| outer[body.coordinate_of_control(k)] = true);
-        let mut farthest = [0.0_f64; 2];
-        for (c, (a, b)) in before.positions.iter().zip(&after.positions).enumerate() {
-            let of = &mut farthest[usize::from(outer[c])];
-            *of = of.max((a - b).norm());
-        }
-        let [inside, surface] = farthest;
-        assert!(surface < 1e-12, "{model}: {surface:e}");
-        // Nodes of the middle that are at one place at rest take over the motion of one of them.
-        assert!(inside < 1e-5, "{model}: {inside:e}");
+        let apart = before.positions.iter().zip(&after.positions);
+        let farthest = apart.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+        // Control points of a net are beside its cells, and go with what is near.
+        let within = if model.contains("net") { 1e-4 } else { 1e-12 };
+        assert!(farthest < within, "{model}: {farthest:e}");
         let slower = before
             .velocities
             .iter()
             .zip(&after.velocities)
             .map(|(a, b)| (a - b).norm());
         let slower = slower.fold(0.0, f64::max);
-        assert!(slower < 1e-3, "{model}: {slower:e}");
+        assert!(slower < 1e3 * within, "{model}: {slower:e}");
         let flowed = |state: &DeformableState| state.plastic_strain.as_flattened().to_vec();
         assert_eq!(flowed(&before).len(), flowed(after).len());
         if model.contains("plastic") {

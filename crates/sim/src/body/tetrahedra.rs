@@ -80,13 +80,31 @@ impl Tetrahedron {
     }
 }
 
+/// The tetrahedra of a cell: around the first of its diagonals with which every node is of one that is not flat. Around the
+/// others, nodes of a cell with collapsed edges may be of none.
+fn parts(cell: &Cell, points: &[Point3]) -> Vec<Tetrahedron> {
+    let around = |diagonal: usize| -> Vec<Tetrahedron> {
+        let six = SIX.map(|corners| corners.map(|corner| cell[corner ^ diagonal]));
+        let all = six.into_iter();
+        all.filter_map(|nodes| Tetrahedron::new(nodes, points))
+            .collect()
+    };
+    let holds_all = |parts: &Vec<Tetrahedron>| {
+        let held = |node: &u32| parts.iter().any(|part| part.nodes.contains(node));
+        cell.iter().all(held)
+    };
+    let mut ways = [0, 4, 2, 1].map(around).into_iter();
+    let first = ways.next().unwrap_or_default();
+    if holds_all(&first) {
+        return first;
+    }
+    ways.find(holds_all).unwrap_or(first)
+}
+
 impl Tetrahedra {
     /// Of cells between nodes at these places; flat ones are left out. `None` if nothing is left.
     pub fn new(cells: &[Cell], points: &[Point3]) -> Option<Self> {
-        let six = |cell: &Cell| SIX.map(|corners| corners.map(|corner| cell[corner]));
-        let all: Vec<Tetrahedron> = (cells.iter().flat_map(six))
-            .filter_map(|nodes| Tetrahedron::new(nodes, points))
-            .collect();
+        let all: Vec<Tetrahedron> = cells.iter().flat_map(|cell| parts(cell, points)).collect();
         let ends = |reach: f64| {
             let each = all
                 .iter()

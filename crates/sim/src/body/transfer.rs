@@ -18,6 +18,8 @@ use std::collections::BTreeMap;
 
 /// Springs within this of each other, relative to the mean length of those that are carried over, are of the same matter.
 const NEAR: f64 = 1.5;
+/// Squares below which two springs are one: of the distance of their middles, relative to that, and of the sine between them.
+const SAME: f64 = 1e-18;
 /// How much more a spring along another counts than one across it: cos² to this power.
 const ALONG: i32 = 8;
 
@@ -175,14 +177,21 @@ fn springs(old: &Matter, new: &Matter) -> SparseRows {
     let mut rows = vec![Vec::new(); 4 * new.law.springs.rest().len()];
     for (spring, middle, along) in lines(&new.law.springs, &new_nodes) {
         let row: &mut Vec<(u32, f64)> = &mut rows[spring];
+        let mut same = None;
         bins.around(&middle, |k| {
             let (other, place, line) = &from[k];
-            let near = 1.0 - (place - middle).norm_squared() / (near_m * near_m);
+            let away = (place - middle).norm_squared() / (near_m * near_m);
             let cosine = along.dot(line);
-            if near > 0.0 {
-                row.push((*other as u32, near * (cosine * cosine).powi(ALONG)));
+            if away < SAME && along.cross(line).norm_squared() < SAME {
+                same = Some(*other as u32);
+            }
+            if away < 1.0 {
+                row.push((*other as u32, (1.0 - away) * (cosine * cosine).powi(ALONG)));
             }
         });
+        if let Some(same) = same {
+            *row = vec![(same, 1.0)];
+        }
         let sum: f64 = row.iter().map(|entry| entry.1).sum();
         if sum > 0.0 {
             row.iter_mut().for_each(|entry| entry.1 /= sum);
