@@ -251,7 +251,7 @@ def test_patches_merge_with_the_continuity_asked_for() -> None:
 def test_patches_that_cross_are_merged_by_rows_or_by_lines() -> None:
     left = pp.Surface.builtin("sheet", size=0.1)
     x, y = left.points[..., 0], left.points[..., 1]
-    tilted = left.points + np.stack([np.full_like(x, 0.08), 0 * x, 0.3 * (x - 0.01 - 0.1 * y)], axis=-1)
+    tilted = left.points + np.stack([np.full_like(x, 0.08), 0 * x, 0.3 * (x + 0.04 - 0.1 * y)], axis=-1)
     right = pp.Surface(left.degree, left.knots, tilted)
     merged = left.merge(right, edges=("u1", "u0"), continuity=0)
     assert [reading["hidden"] for reading in merged.readings] == ["rows", "lines"]
