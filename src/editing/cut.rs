@@ -6,6 +6,7 @@ use palpate_geometry::math::Point3;
 use palpate_sim::scene::spec::BodySpec;
 use palpate_sim::scene::{BodyPiece, Scene, SceneChange, SceneCut};
 use serde_json::{Value, json};
+use std::fmt::Write as _;
 use std::time::Instant;
 
 /// Cuts a body as it stands: its control points and the coordinates of its nodes, of the same tick. With a kerf, what is
@@ -21,25 +22,38 @@ pub(super) fn cut(
     let cut = SceneCut::new(scene, body, standing, plane, kerf_m).map_err(|e| e.to_string())?;
     tracing::debug!(took_s = begun.elapsed().as_secs_f64(), "cut");
     let report = json!({
-        "pieces": cut.pieces.iter().map(|piece| told(&cut.change, piece)).collect::<Vec<_>>(),
+        "pieces": cut.pieces.iter().map(|piece| words(&cut.change, piece)).collect::<Vec<_>>(),
         "lost": cut.lost_m3,
         "plane": { "point": xyz(&plane.origin()), "normal": <[f64; 3]>::from(plane.normal) },
     });
     Ok(Edited {
-        what: format!(
-            "cut {} into {} pieces",
-            scene.body_id(body),
-            cut.pieces.len()
-        ),
+        what: what(scene, body, &cut),
         change: Some(cut.change),
         report,
     })
 }
 
+/// What was done, and of which pieces something is else than of the body.
+fn what(scene: &Scene, body: usize, cut: &SceneCut) -> String {
+    let (id, whole) = (scene.body_id(body), &scene.spec.bodies[body]);
+    let mut what = format!("cut {id} into {} pieces", cut.pieces.len());
+    let before = (whole.model(), whole.layers());
+    for piece in &cut.pieces {
+        let spec = cut.change.body(&piece.id);
+        if let Some(now) = spec.map(|spec| (spec.model(), spec.layers()))
+            && now != before
+        {
+            let (model, layers) = (now.0.name(), now.1);
+            let _ = write!(what, "; {} is a {model} of {layers} layers", piece.id);
+        }
+    }
+    what
+}
+
 /// A piece for the client: of the cut as the body stood, but its net, model and layers.
-fn told(change: &SceneChange, BodyPiece { id, piece, skin }: &BodyPiece) -> Value {
+fn words(change: &SceneChange, BodyPiece { id, piece, skin }: &BodyPiece) -> Value {
     let net = skin.surface.net();
-    let spec = change.spec.bodies.iter().find(|body| &body.id == id);
+    let spec = change.body(id);
     json!({
         "id": id,
         "above": piece.above,

@@ -143,8 +143,8 @@ impl Cut {
     /// each point back.
     ///
     /// # Errors
-    /// Pieces that are no bodies, have holes through them or touch themselves, nets below [`LEAST_COUNTS`], a surface at rest
-    /// with other knots, places at rest that are not finite.
+    /// A piece of a sheet, with a hole through it or that touches itself; fewer control points than [`LEAST_COUNTS`]; a surface at
+    /// rest with other knots; places at rest that are not finite.
     ///
     /// # Examples
     /// ```

@@ -9,8 +9,8 @@
 
 use super::cells::{Cell, CellGrid};
 use super::elements::continuum::refused_cells;
-use super::mend::mend;
 use super::opposite::{self, Medial};
+use super::repair::repair;
 use palpate_geometry::math::{Point3, Vector3};
 
 /// What the rings of a closed surface do along the other direction.
@@ -93,11 +93,11 @@ pub fn rings_at_best(points: &[Point3], rings: &Rings, layers: usize) -> CellGri
     build(&best_medial(points, rings, build))
 }
 
-/// [`rings_at_best`], for a continuum: cells that it would refuse are mended, as far as nodes inside can do that.
+/// [`rings_at_best`], for a continuum: cells that it would refuse are repaired where moving nodes inside is enough.
 pub fn rings_for_continuum(points: &[Point3], rings: &Rings, layers: usize) -> CellGrid {
     let mut grid = rings_at_best(points, rings, layers);
     if refused_cells(&grid) > 0 {
-        mend(&mut grid);
+        repair(&mut grid);
     }
     grid
 }

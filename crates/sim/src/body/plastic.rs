@@ -8,6 +8,7 @@
 //! rest lengths. With a spread, the flow of a spring is shared with those around it (the thesis'
 //! neighbourhood radius, sec. 5.4), so that a pull draws a smooth bump.
 
+use super::bins::Bins;
 use super::elements::MaterialLaw;
 use super::elements::continuum::CellFlow;
 use super::elements::spring_table::SpringTable;
@@ -163,32 +164,20 @@ impl SpringFlow {
 /// Weights (1 − (d / r)²)² of the places within r of each place, scaled to add up to one; places come
 /// with their numbers, four to a lane.
 pub(super) fn neighbours(radius: f64, springs: &[(usize, Point3)]) -> SparseRows {
-    // Cells of the radius' size, ordered: a spring looks into 27 of them.
-    let cell = |p: &Point3| [p.x, p.y, p.z].map(|x| (x / radius).floor() as i64);
-    let mut sorted: Vec<([i64; 3], usize, Point3)> =
-        springs.iter().map(|&(s, p)| (cell(&p), s, p)).collect();
-    sorted.sort_by_key(|entry| (entry.0, entry.1));
+    let mut sorted = springs.to_vec();
+    sorted.sort_by_key(|entry| entry.0);
+    let bins = Bins::new(radius, sorted.iter().map(|entry| entry.1));
     let lanes = springs.iter().map(|entry| entry.0 / 4 + 1).max();
     let mut rows: Vec<Vec<(u32, f64)>> = vec![Vec::new(); 4 * lanes.unwrap_or(0)];
     for &(spring, middle) in springs {
-        let [x, y, z] = cell(&middle);
         let row = &mut rows[spring];
-        for dx in -1..=1 {
-            for dy in -1..=1 {
-                for dz in -1..=1 {
-                    let key = [x + dx, y + dy, z + dz];
-                    let start = sorted.partition_point(|entry| entry.0 < key);
-                    for &(_, other, place) in
-                        sorted[start..].iter().take_while(|entry| entry.0 == key)
-                    {
-                        let share = 1.0 - (place - middle).norm_squared() / (radius * radius);
-                        if share > 0.0 {
-                            row.push((other as u32, share * share));
-                        }
-                    }
-                }
+        bins.around(&middle, |k| {
+            let (other, place) = sorted[k];
+            let share = 1.0 - (place - middle).norm_squared() / (radius * radius);
+            if share > 0.0 {
+                row.push((other as u32, share * share));
             }
-        }
+        });
         let sum: f64 = row.iter().map(|entry| entry.1).sum();
         row.iter_mut().for_each(|entry| entry.1 /= sum);
     }

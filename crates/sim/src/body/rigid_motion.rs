@@ -56,6 +56,11 @@ fn inverse_inertia(matter: &Matter, places: &[Point3], centre: &Point3) -> Matri
         let r = x - centre;
         inertia += (Matrix3::from_diagonal_element(r.norm_squared()) - r * r.transpose()) * *m;
     }
+    inverse_of(&inertia)
+}
+
+/// The inverse of moments of inertia, 1/(kg·m²); zero of bodies on a line or at a point.
+pub(super) fn inverse_of(inertia: &Matrix3) -> Matrix3 {
     let whole = inertia.trace();
     match inertia.try_inverse() {
         Some(inverse) if inertia.determinant() > 1e-12 * whole.powi(3) => inverse,

@@ -4,17 +4,16 @@
 //! Both bodies stand in the world at rest, so that the same place is the same matter. A coordinate at X goes to
 //! X + Σ w (x − X_w), with the shares w of the cell that holds X, which gives any affine motion exactly; so do velocities.
 
+use super::bins::Bins;
 use super::deformable::Deformable;
 use super::elements::continuum::{CellCarry, SpringCarry};
 use super::elements::spring_table::SpringTable;
 use super::matter::Matter;
 use super::node_map::{NodeMap, SparseRows};
 use super::plastic::Flow;
-use super::rigid_velocity::RigidVelocity;
 use super::state::DeformableState;
 use super::tetrahedra::Tetrahedra;
-use palpate_geometry::math::{Matrix3, Point3, Vector3};
-use std::collections::BTreeMap;
+use palpate_geometry::math::{Point3, Vector3};
 
 /// Springs within this of each other, relative to the mean length of those that are carried over, are of the same matter.
 const NEAR: f64 = 1.5;
@@ -81,8 +80,8 @@ impl Transfer {
         })
     }
 
-    /// Fills the state of a piece, which is its initial one, from that of the body; nothing is allocated. What holds a
-    /// coordinate of the piece holds it where it has come.
+    /// Fills the state of a piece, which is its initial one, from that of the body; nothing is allocated. Coordinates that are
+    /// held stay where they are at rest.
     pub fn carry(
         &self,
         bodies: [&Deformable; 2],
@@ -90,6 +89,12 @@ impl Transfer {
         new: &mut DeformableState,
     ) {
         let [body, piece] = bodies.map(Deformable::matter);
+        debug_assert_eq!(self.places.rows(), piece.rest.len(), "a row a coordinate");
+        debug_assert_eq!(
+            old.positions.len(),
+            body.rest.len(),
+            "a state of another body"
+        );
         for c in 0..piece.rest.len() {
             let (columns, weights) = self.places.row(c);
             let (mut moved, mut velocity) = (Vector3::zeros(), Vector3::zeros());
@@ -202,43 +207,6 @@ fn springs(old: &Matter, new: &Matter) -> SparseRows {
     SparseRows::new(rows)
 }
 
-/// Places by boxes of one size.
-pub(super) struct Bins {
-    side_m: f64,
-    boxes: BTreeMap<[i64; 3], Vec<usize>>,
-}
-
-impl Bins {
-    /// Of places, by their numbers; the side is above 0.
-    pub fn new(side_m: f64, places: impl Iterator<Item = Point3>) -> Self {
-        let mut bins = Self {
-            side_m,
-            boxes: BTreeMap::new(),
-        };
-        for (k, place) in places.enumerate() {
-            let key = bins.key(&place);
-            bins.boxes.entry(key).or_default().push(k);
-        }
-        bins
-    }
-
-    fn key(&self, place: &Point3) -> [i64; 3] {
-        [place.x, place.y, place.z].map(|x| (x / self.side_m).floor() as i64)
-    }
-
-    /// Every place within a side of another, and some beyond.
-    pub fn around(&self, place: &Point3, mut out: impl FnMut(usize)) {
-        let [x, y, z] = self.key(place);
-        for i in x - 1..=x + 1 {
-            for j in y - 1..=y + 1 {
-                for k in z - 1..=z + 1 {
-                    (self.boxes.get(&[i, j, k]).into_iter().flatten()).for_each(|&one| out(one));
-                }
-            }
-        }
-    }
-}
-
 /// A solid as it stands: where its matter is at rest.
 #[derive(Debug)]
 pub struct Deformed {
@@ -264,65 +232,5 @@ impl Deformed {
                 .map(|(node, share)| self.rest[node as usize].coords * share)
                 .sum::<Vector3>(),
         )
-    }
-}
-
-/// What the motion of some bodies amounts to: its momentum, kg·m/s, its angular momentum, kg·m²/s, and what they weigh, kg
-/// and kg·m² about the centre, m.
-#[derive(Debug, Default)]
-pub(crate) struct Motion {
-    mass_kg: f64,
-    first: Vector3,
-    linear: Vector3,
-    angular: Vector3,
-    second: Matrix3,
-}
-
-impl Motion {
-    /// Adds what of a body can move.
-    pub fn add(&mut self, body: &Deformable, state: &DeformableState) {
-        let matter = body.matter();
-        for &c in &matter.coordinate_of_unknown {
-            let c = c as usize;
-            let (m, x, v) = (
-                matter.masses[c],
-                state.positions[c].coords,
-                state.velocities[c],
-            );
-            self.mass_kg += m;
-            self.first += x * m;
-            self.linear += v * m;
-            self.angular += x.cross(&v) * m;
-            self.second += (Matrix3::identity() * x.norm_squared() - x * x.transpose()) * m;
-        }
-    }
-
-    /// The rigid motion that is missing of another's momentum and angular momentum.
-    pub fn missing(&self, whole: &Self) -> RigidMissing {
-        let centre = self.first / self.mass_kg;
-        let linear = whole.linear - self.linear;
-        let turning = whole.angular - self.angular - centre.cross(&linear);
-        let about = Matrix3::identity() * centre.norm_squared() - centre * centre.transpose();
-        let inertia = self.second - about * self.mass_kg;
-        RigidMissing(RigidVelocity {
-            centre: Point3::from(centre),
-            linear: linear / self.mass_kg,
-            angular: inertia
-                .try_inverse()
-                .map_or_else(Vector3::zeros, |i| i * turning),
-        })
-    }
-}
-
-/// A rigid motion that is added to bodies.
-pub(crate) struct RigidMissing(RigidVelocity);
-
-impl RigidMissing {
-    /// Adds it to what of a body can move.
-    pub fn add_to(&self, body: &Deformable, state: &mut DeformableState) {
-        for &c in &body.matter().coordinate_of_unknown {
-            let c = c as usize;
-            state.velocities[c] += self.0.velocity(&state.positions[c]);
-        }
     }
 }

@@ -127,28 +127,52 @@ fn neighbours(lattice: &CubeLattice, node: usize) -> (Point3, f64) {
 fn shift(lattice: &mut CubeLattice, node: usize, aim: Aim) -> bool {
     let start = lattice.grid.nodes[node];
     let (mean, length) = neighbours(lattice, node);
-    let mut best = (worst_around(lattice, node, aim), start);
-    let steps = STEPS.iter().flat_map(|step| (0..6).map(move |k| (step, k)));
-    let trials = steps.map(|(step, k)| {
+    let places = trials(start, mean, STEPS.map(|step| step * length));
+    let worst = |lattice: &CubeLattice| worst_around(lattice, node, aim);
+    take_best(
+        lattice,
+        |lattice| &mut lattice.grid.nodes[node],
+        places,
+        worst,
+    )
+}
+
+/// Places that a node tries: the mean of its neighbours, half the way there, and steps of some lengths, m, along the axes.
+pub(super) fn trials<const N: usize>(
+    start: Point3,
+    mean: Point3,
+    steps_m: [f64; N],
+) -> impl Iterator<Item = Point3> {
+    let steps = steps_m
+        .into_iter()
+        .flat_map(|step_m| (0..6).map(move |k| (step_m, k)));
+    let around = steps.map(move |(step_m, k)| {
         let mut offset = Vector3::zeros();
-        offset[k / 2] = if k % 2 == 0 {
-            step * length
-        } else {
-            -step * length
-        };
+        offset[k / 2] = if k % 2 == 0 { step_m } else { -step_m };
         start + offset
     });
-    for trial in [mean, nalgebra::center(&start, &mean)]
+    [mean, nalgebra::center(&start, &mean)]
         .into_iter()
-        .chain(trials)
-    {
-        lattice.grid.nodes[node] = trial;
-        let worst = worst_around(lattice, node, aim);
-        if worst > best.0 {
-            best = (worst, trial);
+        .chain(around)
+}
+
+/// Puts a node where the worst of its cells is best; false where that is where it was.
+pub(super) fn take_best<G>(
+    grid: &mut G,
+    node: impl Fn(&mut G) -> &mut Point3,
+    places: impl Iterator<Item = Point3>,
+    worst: impl Fn(&G) -> f64,
+) -> bool {
+    let start = *node(grid);
+    let mut best = (worst(grid), start);
+    for place in places {
+        *node(grid) = place;
+        let value = worst(grid);
+        if value > best.0 {
+            best = (value, place);
         }
     }
-    lattice.grid.nodes[node] = best.1;
+    *node(grid) = best.1;
     best.1 != start
 }
 

@@ -64,6 +64,11 @@ pub struct SceneChange {
 }
 
 impl SceneChange {
+    /// What the next scene says of a body; `None` without a body of that id.
+    pub fn body(&self, id: &str) -> Option<&BodySpec> {
+        self.spec.bodies.iter().find(|body| body.id == id)
+    }
+
     /// The same scene with bodies moved: (index, by how much in m, world axes).
     ///
     /// # Errors

@@ -27,12 +27,12 @@ const FEWEST: usize = 8;
 /// From pole to pole: so many with [`NEXT_EDGE`] for each sharp edge on the way.
 const FIRST_EDGE: usize = 4;
 const NEXT_EDGE: usize = 3;
-/// Of a piece's size: surfaces that miss it by more are made once more, with more control points …
+/// A surface that misses its piece by more than this, relative to the piece's size, is made once more with a finer net.
 const FAR: f64 = 1e-2;
-/// … by so much in each direction, up to a number …
+/// Times the control points in each direction that a finer net has, and how many it has at most.
 const FINER: f64 = 1.5;
 const MOST: usize = 36;
-/// … and those that miss it by more are refused.
+/// A surface that misses its piece by more than this, relative to the piece's size, is refused.
 const FARTHEST: f64 = 0.06;
 /// Characters of an id at most.
 const LONGEST_ID: usize = 64;
@@ -213,10 +213,10 @@ fn check_cut(scene: &Scene, body: usize) -> Result<(), SceneError> {
 }
 
 impl SceneChange {
-    /// The scene with pieces in the place of a body: their surfaces at rest, m, in the world. Their ids, which come
-    /// with it, are that of the body with numbers. `kept` is the share of the body's volume that they are to have together: their density makes up for
-    /// what their surfaces miss of it. Pieces do not touch each other where all is kept: they lie on each other from the
-    /// start.
+    /// The scene with pieces in the place of a body, given by their surfaces at rest, m, in the world; and the ids of the pieces,
+    /// which are the body's with numbers. `kept` is the share of the body's volume that they are to have together: their
+    /// density makes up for what their surfaces miss of it. Where all is kept, pieces do not touch each other, since they lie on
+    /// each other from the start.
     ///
     /// # Errors
     /// A body that may not be cut, ids that are too long.

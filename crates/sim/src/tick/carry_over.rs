@@ -1,8 +1,9 @@
 //! What goes on when one scene becomes another between two ticks.
 
 use super::state::SceneState;
-use crate::body::{Motion, Transfer};
+use crate::body::{Deformable, DeformableState, SharedMomentum, Transfer};
 use crate::contact::PairState;
+use crate::party::BodyState;
 use crate::scene::{Origin, Scene};
 use palpate_geometry::math::Vector3;
 
@@ -32,11 +33,26 @@ impl CarryOver {
         };
         let mut cut: Vec<usize> = origins.iter().filter_map(from).collect();
         cut.dedup();
-        Self {
+        let carry = Self {
             origins,
             transfers,
             cut,
-        }
+        };
+        let of_pieces = carry.cut.iter().map(|&body| carry.pieces(body).count());
+        debug_assert_eq!(
+            of_pieces.sum::<usize>(),
+            carry.origins.iter().filter_map(from).count(),
+            "a transfer a piece"
+        );
+        carry
+    }
+
+    /// Pieces of a body of the old scene.
+    fn pieces(&self, body: usize) -> impl Iterator<Item = (usize, &Transfer)> {
+        let all = self.origins.iter().zip(&self.transfers).enumerate();
+        let of = move |origin: &Origin| *origin == Origin::Piece { from: body };
+        all.filter(move |(_, (origin, _))| of(origin))
+            .filter_map(|(piece, (_, transfer))| Some((piece, transfer.as_ref()?)))
     }
 }
 
@@ -89,7 +105,10 @@ impl Scene {
             new.revision = revision;
         }
         for &body in &carry.cut {
-            self.carry_pieces(old, from, carry, body, state);
+            let was = &from.bodies[body].deformable;
+            if let (Some(whole), Some(was)) = (old.deformable(body), was) {
+                self.carry_pieces(carry, body, (whole, was), &mut state.bodies);
+            }
         }
         for (new, old) in state.tools.iter_mut().zip(&from.tools) {
             *new = *old;
@@ -99,32 +118,27 @@ impl Scene {
         state.pairs.fill(PairState::default());
         state.warm.forget();
     }
+
     /// Has the pieces of a body go on with its motion: with all of its momentum and angular momentum.
     fn carry_pieces(
         &self,
-        old: &Scene,
-        from: &SceneState,
         carry: &CarryOver,
         body: usize,
-        state: &mut SceneState,
+        (whole, was): (&Deformable, &DeformableState),
+        bodies: &mut [BodyState],
     ) {
-        let (Some(whole), Some(was)) = (old.deformable(body), &from.bodies[body].deformable) else {
-            return;
-        };
-        let is_of = |piece: &usize| carry.origins[*piece] == Origin::Piece { from: body };
-        let pieces = || (0..self.bodies.len()).filter(is_of);
-        let (mut before, mut after) = (Motion::default(), Motion::default());
+        let (mut before, mut after) = (SharedMomentum::default(), SharedMomentum::default());
         before.add(whole, was);
-        for piece in pieces() {
-            let parts = (self.deformable(piece)).zip(state.bodies[piece].deformable.as_mut());
-            if let (Some((part, now)), Some(transfer)) = (parts, &carry.transfers[piece]) {
+        for (piece, transfer) in carry.pieces(body) {
+            let parts = (self.deformable(piece)).zip(bodies[piece].deformable.as_mut());
+            if let Some((part, now)) = parts {
                 transfer.carry([whole, part], was, now);
                 after.add(part, now);
             }
         }
         let missing = after.missing(&before);
-        for piece in pieces() {
-            let parts = (self.deformable(piece)).zip(state.bodies[piece].deformable.as_mut());
+        for (piece, _) in carry.pieces(body) {
+            let parts = (self.deformable(piece)).zip(bodies[piece].deformable.as_mut());
             if let Some((part, now)) = parts {
                 missing.add_to(part, now);
             }

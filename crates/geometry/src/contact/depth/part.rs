@@ -222,7 +222,7 @@ impl Plan {
                 true => PLACES,
                 false => PLACES * ground.segments(),
             };
-            // Stretches of two edges share no place.
+            // A stretch holds places of one edge only: it is filled up.
             while places.len() % STRETCH > 0 {
                 places.extend(places.last().copied());
             }

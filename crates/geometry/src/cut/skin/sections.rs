@@ -12,7 +12,7 @@ const LEAST_SHARE: f64 = 4e-3;
 /// Two triangles, and the place of the edge in each.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Edge {
-    /// Ascending.
+    /// Numbers of its corners, the smaller one first.
     pub ends: [u32; 2],
     pub sides: [(u32, u8); 2],
 }

@@ -42,7 +42,7 @@ fn knobbly(random: &mut Random) -> Surface {
         .oriented_outward()
 }
 
-/// The same knots, each control point moved.
+/// A surface whose control points are moved.
 fn moved(surface: &Surface, place: impl Fn(&Point3) -> Point3) -> Surface {
     let mut moved = surface.clone();
     let points = moved.net_mut().points_mut();

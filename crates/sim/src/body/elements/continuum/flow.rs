@@ -11,9 +11,9 @@
 
 use super::kernel::{CellBlock, ROWS, at, modes, rows_of, slopes};
 use super::{ContinuumLaw, Points};
+use crate::body::bins::Bins;
 use crate::body::material::Plastic;
 use crate::body::node_map::SparseRows;
-use crate::body::transfer::Bins;
 use palpate_geometry::math::lanes::{Baseline, Lanes};
 use palpate_geometry::math::{Lane, Matrix3, Point3, Vector3};
 

@@ -1,21 +1,22 @@
-//! Mends cells in layers that a continuum refuses, by moving nodes inside the surface.
+//! Repairs cells in layers that a continuum refuses, by moving nodes inside the surface.
 //!
 //! As in [`untangle`](super::untangle), a node of a bad cell tries the mean of its neighbours and steps along the axes, and takes
 //! the place where the worst of its cells is best. Nodes of the surface stay: they are control points.
 
 use super::cells::{CellGrid, EDGES};
 use super::elements::continuum::worth;
+use super::untangle::{take_best, trials};
 use palpate_geometry::math::{Point3, Vector3};
 
 /// Sweeps over the nodes of bad cells at most.
 const MOST_SWEEPS: usize = 40;
 /// Trial steps, in mean lengths of the node's edges.
 const STEPS: [f64; 4] = [0.5, 0.2, 0.07, 0.02];
-/// Cells are mended until they are worth this, of the least that a continuum takes: room for rounding.
+/// A cell is good at this many times the least quality that a continuum takes, which leaves room for rounding.
 const ENOUGH: f64 = 1.1;
 
 /// Moves inner nodes until every cell is good enough for a continuum, or no move makes the worst better.
-pub(super) fn mend(grid: &mut CellGrid) {
+pub(super) fn repair(grid: &mut CellGrid) {
     let mut around: Vec<Vec<u32>> = vec![Vec::new(); grid.nodes.len()];
     let mut beside: Vec<Vec<u32>> = vec![Vec::new(); grid.nodes.len()];
     for (k, cell) in grid.cells.iter().enumerate() {
@@ -73,26 +74,12 @@ fn shift(grid: &mut CellGrid, node: usize, around: &[u32], beside: &[u32]) -> bo
         .map(|other| (at(other) - start).norm())
         .sum::<f64>()
         / count;
-    let trials = STEPS.iter().flat_map(|step| (0..6).map(move |k| (step, k)));
-    let trials = trials.map(|(step, k)| {
-        let along = Vector3::ith(k / 2, if k % 2 == 0 { 1.0 } else { -1.0 });
-        start + along * (step * length)
-    });
-    let means = [mean, nalgebra::center(&start, &mean)];
     let worst = |grid: &CellGrid| {
         let cells = around
             .iter()
             .map(|&cell| worth(grid, &grid.cells[cell as usize]));
         cells.fold(f64::INFINITY, f64::min)
     };
-    let mut best = (worst(grid), start);
-    for trial in means.into_iter().chain(trials) {
-        grid.nodes[node] = trial;
-        let value = worst(grid);
-        if value > best.0 {
-            best = (value, trial);
-        }
-    }
-    grid.nodes[node] = best.1;
-    best.1 != start
+    let places = trials(start, mean, STEPS.map(|step| step * length));
+    take_best(grid, |grid| &mut grid.nodes[node], places, worst)
 }
