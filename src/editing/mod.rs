@@ -18,12 +18,15 @@ use palpate_geometry::surface::Surface;
 use palpate_sim::scene::{Scene, SceneChange};
 use sha2::Digest as _;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
 const FAULT: &str = "an internal fault of the modeling code stopped the change; the scene is as \
                      it was, and the daemon's log has the details";
+
+/// Of the thread that remakes scenes, and of those that it starts.
+#[cfg(target_os = "linux")]
+const NICE: i32 = 10;
 
 /// A request with what it is about.
 struct EditJob {
@@ -60,6 +63,9 @@ impl SceneEditor {
         std::thread::Builder::new()
             .name("palpate-editor".into())
             .spawn(move || {
+                // The loop comes first, also where cores are few. On Linux this is of the thread alone.
+                #[cfg(target_os = "linux")]
+                let _ = rustix::process::nice(NICE);
                 for job in job_out {
                     let id = job.id;
                     // A fault in modeling must not end the thread: later requests would wait
@@ -165,7 +171,7 @@ fn carry_out(job: &EditJob, changes: &SceneChanges) -> Result<EditNews, String> 
     let Some(change) = change else {
         return Ok(EditNews::Nothing { id: *id, report });
     };
-    let next = Scene::build_to_run(&change.spec, Path::new("")).map_err(|e| e.to_string())?;
+    let next = change.build_to_run().map_err(|e| e.to_string())?;
     let found: Vec<&str> = next
         .warnings()
         .iter()

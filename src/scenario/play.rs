@@ -88,8 +88,8 @@ fn scene_of(run: &RunSpec, source: &Source) -> Result<(file::Loaded, Scene), Sce
     let mut scene = loaded.build_to_run().map_err(at)?;
     for cut in &run.cut {
         let change = cut_at_rest(&scene, cut).map_err(wrong)?;
+        scene = change.build_to_run().map_err(at)?;
         loaded.spec = change.spec;
-        scene = loaded.build_to_run().map_err(at)?;
     }
     for finding in scene.warnings() {
         tracing::warn!(run = run.name, "{}", loaded.told(finding));

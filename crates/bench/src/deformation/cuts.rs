@@ -8,7 +8,6 @@ use palpate_geometry::cut::CutPlane;
 use palpate_geometry::math::{Point3, Vector3};
 use palpate_sim::scene::{Scene, SceneCut};
 use palpate_sim::tick::{CarryOver, SceneState};
-use std::path::Path;
 
 /// Bodies: name, what the scene says of it, a point of the plane, its normal.
 const BODIES: [(&str, &str, [f64; 3], [f64; 3]); 5] = [
@@ -109,7 +108,7 @@ type Made = (SceneCut, Scene, CarryOver);
 
 fn made(world: &World, standing: (&[Point3], &[Point3]), plane: &CutPlane) -> Result<Made, String> {
     let done = SceneCut::new(&world.scene, 0, standing, plane, 0.0).map_err(|e| e.to_string())?;
-    let next = Scene::build(&done.change.spec, Path::new("")).map_err(|e| e.to_string())?;
+    let next = done.change.build_to_run().map_err(|e| e.to_string())?;
     let carry = CarryOver::new(&world.scene, &next, done.change.origins.clone());
     let state = next.initial_state();
     drop(next.scratch(&state));

@@ -21,6 +21,38 @@ pub struct CellGrid {
 /// Gauss points on [0, 1].
 const GAUSS: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
 
+/// (Gauss point, corner): slopes of the corner's shape function along a, b and c.
+const SLOPES: [[[f64; 3]; 8]; 8] = shape_slopes(
+    [[1.0 - GAUSS[0], GAUSS[0]], [1.0 - GAUSS[1], GAUSS[1]]],
+    1.0,
+);
+
+/// (Gauss point, corner): slopes of trilinear shape functions along a, b and c; on each axis a corner's function is
+/// `shares[point][corner]` at a Gauss point and grows with `slope` or falls with it.
+pub(super) const fn shape_slopes(shares: [[f64; 2]; 2], slope: f64) -> [[[f64; 3]; 8]; 8] {
+    let mut slopes = [[[0.0; 3]; 8]; 8];
+    let mut k = 0;
+    while k < 64 {
+        let (gauss, corner) = (k / 8, k % 8);
+        let (mut share, mut sign) = ([0.0; 3], [0.0; 3]);
+        let mut axis = 0;
+        while axis < 3 {
+            let bit = 4 >> axis;
+            let high = (corner & bit != 0) as usize;
+            share[axis] = shares[(gauss & bit != 0) as usize][high];
+            sign[axis] = [-slope, slope][high];
+            axis += 1;
+        }
+        slopes[gauss][corner] = [
+            sign[0] * share[1] * share[2],
+            share[0] * sign[1] * share[2],
+            share[0] * share[1] * sign[2],
+        ];
+        k += 1;
+    }
+    slopes
+}
+
 /// The 12 edges of a cell, as corner pairs.
 pub const EDGES: [[usize; 2]; 12] = [
     [0, 1],
@@ -56,18 +88,23 @@ impl CellGrid {
     /// Volume of a cell, m³: positive when its axes a, b, c turn right-handed. The trilinear map's
     /// Jacobian is integrated exactly by 2 × 2 × 2 Gauss points, collapsed or not.
     pub fn signed_volume(&self, cell: &Cell) -> f64 {
-        self.gauss_determinants(cell).iter().map(|d| d / 8.0).sum()
+        volume_of(&self.gauss_determinants(cell))
     }
 
     /// Determinant of the trilinear map's Jacobian at the 2 × 2 × 2 Gauss points, m³; the cell is
     /// one unit wide.
     pub fn gauss_determinants(&self, cell: &Cell) -> [f64; 8] {
-        let mut determinants = [0.0; 8];
-        for (k, determinant) in determinants.iter_mut().enumerate() {
-            let [a, b, c] = [GAUSS[k >> 2], GAUSS[(k >> 1) & 1], GAUSS[k & 1]];
-            *determinant = self.jacobian(cell, a, b, c).determinant();
-        }
-        determinants
+        let corners = cell.map(|node| self.nodes[node as usize].coords);
+        std::array::from_fn(|gauss| {
+            // ∂x/∂a, ∂x/∂b, ∂x/∂c.
+            let mut columns = [Vector3::zeros(); 3];
+            for (x, slopes) in corners.iter().zip(&SLOPES[gauss]) {
+                for (column, slope) in columns.iter_mut().zip(slopes) {
+                    *column += x * *slope;
+                }
+            }
+            Matrix3::from_columns(&columns).determinant()
+        })
     }
 
     /// The same cells, all turned over if together they are left-handed.
@@ -87,24 +124,9 @@ impl CellGrid {
         }
         self
     }
+}
 
-    /// Columns ∂x/∂a, ∂x/∂b, ∂x/∂c at (a, b, c) in [0, 1]³.
-    fn jacobian(&self, cell: &Cell, a: f64, b: f64, c: f64) -> Matrix3 {
-        let mut columns = [Vector3::zeros(); 3];
-        for (corner, &node) in cell.iter().enumerate() {
-            let x = self.nodes[node as usize].coords;
-            let at = |bit: usize, t: f64| {
-                if corner & bit != 0 {
-                    (t, 1.0)
-                } else {
-                    (1.0 - t, -1.0)
-                }
-            };
-            let ((fa, da), (fb, db), (fc, dc)) = (at(4, a), at(2, b), at(1, c));
-            columns[0] += x * (da * fb * fc);
-            columns[1] += x * (fa * db * fc);
-            columns[2] += x * (fa * fb * dc);
-        }
-        Matrix3::from_columns(&columns)
-    }
+/// Signed volume of a cell from its [`CellGrid::gauss_determinants`], m³.
+pub(super) fn volume_of(determinants: &[f64; 8]) -> f64 {
+    determinants.iter().map(|d| d / 8.0).sum()
 }

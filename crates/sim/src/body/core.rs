@@ -95,27 +95,61 @@ pub(super) struct SurfaceBlocks {
 }
 
 impl SurfaceBlocks {
-    /// Of the coordinates in [`Matter::surface`]; `solve` answers loads of the unknowns.
-    pub fn new(matter: &Matter, mut solve: impl FnMut(&mut [Lane])) -> Self {
+    /// Of the coordinates in [`Matter::surface`], by a factor.
+    pub fn new(matter: &Matter, factor: &Factor) -> Self {
+        match factor {
+            Factor::Blocks(factor) => Self::of_blocks(matter, factor),
+            Factor::Scalar(factor) => Self::of_factor(matter, factor),
+        }
+    }
+
+    /// Of no forces yet, with the unknowns of the coordinates.
+    fn zeros(matter: &Matter) -> (Self, Vec<usize>) {
         let unknown = |&c: &u32| matter.unknown[c as usize] as usize;
         let places: Vec<usize> = matter.surface.iter().map(unknown).collect();
         let count = places.len();
-        let mut blocks = vec![[0.0; 9]; count * count];
-        let mut rows = Rows::zeros(matter.unknown_count());
+        let blocks = vec![[0.0; 9]; count * count];
+        (Self { count, blocks }, places)
+    }
+
+    fn of_blocks(matter: &Matter, factor: &BlockCholesky) -> Self {
+        let (mut all, places) = Self::zeros(matter);
+        let mut rows = [(); 3].map(|()| Rows::zeros(matter.unknown_count()));
+        let mut work = factor.work_of();
         for (column, &place) in places.iter().enumerate() {
-            for axis in 0..3 {
+            for (axis, rows) in rows.iter_mut().enumerate() {
                 rows.fill([0.0; 4]);
                 rows[place][axis] = 1.0;
-                solve(&mut rows);
-                for (row, &place) in places.iter().enumerate() {
-                    let to = &mut blocks[column * count + row][3 * axis..3 * axis + 3];
+            }
+            factor.solve_all(rows.each_mut().map(|rows| &mut **rows), &mut work);
+            let blocks = &mut all.blocks[column * all.count..][..all.count];
+            for (block, &place) in blocks.iter_mut().zip(&places) {
+                for (to, rows) in block.chunks_exact_mut(3).zip(&rows) {
                     for (to, value) in to.iter_mut().zip(rows[place]) {
                         *to = value as f32;
                     }
                 }
             }
         }
-        let mut all = Self { count, blocks };
+        all.make_symmetric();
+        all
+    }
+
+    /// By a factor of numbers, which answers alike along all axes.
+    fn of_factor(matter: &Matter, factor: &ScalarFactor) -> Self {
+        let (mut all, places) = Self::zeros(matter);
+        let mut rows = vec![Vector3::zeros(); matter.unknown_count()];
+        let mut work = factor.work(matter.unknown_count());
+        for (column, &place) in places.iter().enumerate() {
+            rows.fill(Vector3::zeros());
+            rows[place].x = 1.0;
+            factor.solve(&mut rows, &mut work);
+            let blocks = &mut all.blocks[column * all.count..][..all.count];
+            for (block, &place) in blocks.iter_mut().zip(&places) {
+                let value = rows[place].x as f32;
+                (block[0], block[4], block[8]) = (value, value, value);
+            }
+        }
         all.make_symmetric();
         all
     }

@@ -113,27 +113,12 @@ pub(super) fn best_medial(
     if rings.is_flat() {
         return opposite::middles(points, rings);
     }
-    let judge = |insets: &Insets| {
-        let medial = medial_curve(points, rings, insets);
-        let grid = build(&medial);
-        let quality = grid.quality();
-        let count = |cells: usize| -(cells as f64);
-        let least = quality.least_scaled_jacobian_hexahedra.min(GOOD_ENOUGH);
-        (
-            [
-                count(quality.folded_cells),
-                count(refused_cells(&grid)),
-                count(quality.folded_corner_cells),
-                least,
-            ],
-            medial,
-        )
-    };
     let mut best_insets = Insets::EVEN;
-    let mut best = judge(&best_insets);
+    let even = medial_curve(points, rings, &best_insets);
     if !(rings.ends.first_pole || rings.ends.last_pole) {
-        return best.1;
+        return even;
     }
+    let mut best = (worth(&build(&even), &WORST), even);
     for decay in DECAYS {
         for end in [0, 1, 0, 1] {
             for inset in INSETS {
@@ -145,15 +130,40 @@ pub(super) fn best_medial(
                 if best.0 >= [0.0, 0.0, 0.0, GOOD_ENOUGH] {
                     return best.1;
                 }
-                let trial = judge(&insets);
-                if trial.0 > best.0 {
-                    (best, best_insets) = (trial, insets);
+                let medial = medial_curve(points, rings, &insets);
+                let trial = worth(&build(&medial), &best.0);
+                if trial > best.0 {
+                    (best, best_insets) = ((trial, medial), insets);
                 }
             }
         }
     }
     best.1
 }
+
+/// How good the cells of a trial are, in order of weight; not looked at further where less than `best` is certain.
+fn worth(grid: &CellGrid, best: &Worth) -> Worth {
+    let mut worth = WORST;
+    let (folded, sense) = grid.folded_cells();
+    worth[0] = -(folded as f64);
+    if worth[0] < best[0] {
+        return worth;
+    }
+    worth[1] = -(refused_cells(grid) as f64);
+    if worth[..2] < best[..2] {
+        return worth;
+    }
+    let (folded, least) = grid.corners(sense);
+    worth[2] = -(folded as f64);
+    worth[3] = least.min(GOOD_ENOUGH);
+    worth
+}
+
+/// Cells that are folded, that a continuum refuses, and that are folded at a corner, less than none; least scaled Jacobian of
+/// the cells that are not wedges.
+type Worth = [f64; 4];
+
+const WORST: Worth = [f64::NEG_INFINITY; 4];
 
 /// Cells between the rings and one medial point for each ring, or for each control point where the
 /// body has a medial surface.

@@ -8,7 +8,7 @@
 //! cell, as where a wedge beside a pole meets the medial curve, lies on an edge of a tetrahedron
 //! and is not a corner: it is left to the Gauss points.
 
-use super::cells::{Cell, CellGrid, EDGES};
+use super::cells::{Cell, CellGrid, EDGES, volume_of};
 use palpate_geometry::math::{Matrix3, Vector3};
 
 /// How good the cells are. Signs are relative to the cells' common sense of turning.
@@ -46,8 +46,7 @@ impl CellGrid {
     /// Figures for `palpate plan`, for builders and for tests. No cells: a volume of 0 and nothing
     /// folded.
     pub fn quality(&self) -> CellQuality {
-        let total: f64 = self.cells.iter().map(|cell| self.signed_volume(cell)).sum();
-        let sense = if total < 0.0 { -1.0 } else { 1.0 };
+        let (determinants, sense) = self.turning();
         let mut quality = CellQuality {
             volume_m3: 0.0,
             least_volume_m3: f64::INFINITY,
@@ -59,11 +58,10 @@ impl CellGrid {
             folded_corner_cells: 0,
         };
         let (mut edges, mut sum, mut squares) = (0.0, 0.0, 0.0);
-        for cell in &self.cells {
-            quality.volume_m3 += self.volume(cell);
-            quality.least_volume_m3 = quality
-                .least_volume_m3
-                .min(sense * self.signed_volume(cell));
+        for (cell, determinants) in self.cells.iter().zip(&determinants) {
+            let volume = volume_of(determinants);
+            quality.volume_m3 += volume.abs();
+            quality.least_volume_m3 = quality.least_volume_m3.min(sense * volume);
             for [a, b] in EDGES {
                 if cell[a] != cell[b] {
                     let length =
@@ -72,14 +70,8 @@ impl CellGrid {
                     (edges, sum, squares) = (edges + 1.0, sum + length, squares + length * length);
                 }
             }
-            let folded = self
-                .gauss_determinants(cell)
-                .iter()
-                .any(|d| d.is_nan() || sense * d <= 0.0);
-            quality.folded_cells += usize::from(folded);
-            let least = (0..8)
-                .filter_map(|corner| Some(sense * self.scaled_jacobian(cell, corner)?))
-                .fold(1.0, f64::min);
+            quality.folded_cells += usize::from(is_folded(determinants, sense));
+            let least = self.least_scaled_jacobian(cell, sense);
             quality.folded_corner_cells += usize::from(least <= 0.0);
             quality.least_scaled_jacobian = quality.least_scaled_jacobian.min(least);
             if distinct(cell) == 8 {
@@ -92,6 +84,40 @@ impl CellGrid {
             quality.edge_spread = (squares / edges - mean * mean).max(0.0).sqrt() / mean;
         }
         quality
+    }
+
+    /// [`CellQuality::folded_cells`], and the sense in which the cells turn together.
+    pub(super) fn folded_cells(&self) -> (usize, f64) {
+        let (determinants, sense) = self.turning();
+        let folded = |of_cell: &&[f64; 8]| is_folded(of_cell, sense);
+        (determinants.iter().filter(folded).count(), sense)
+    }
+
+    /// [`CellQuality::folded_corner_cells`] and [`CellQuality::least_scaled_jacobian_hexahedra`].
+    pub(super) fn corners(&self, sense: f64) -> (usize, f64) {
+        let (mut folded, mut least_of_all) = (0, 1.0_f64);
+        for cell in &self.cells {
+            let least = self.least_scaled_jacobian(cell, sense);
+            folded += usize::from(least <= 0.0);
+            if distinct(cell) == 8 {
+                least_of_all = least_of_all.min(least);
+            }
+        }
+        (folded, least_of_all)
+    }
+
+    /// [`CellGrid::gauss_determinants`] of all cells, and the sense in which they turn together.
+    fn turning(&self) -> (Vec<[f64; 8]>, f64) {
+        let cells = self.cells.iter();
+        let determinants: Vec<[f64; 8]> = cells.map(|cell| self.gauss_determinants(cell)).collect();
+        let total: f64 = determinants.iter().map(volume_of).sum();
+        (determinants, if total < 0.0 { -1.0 } else { 1.0 })
+    }
+
+    /// Over the corners of a cell, at most 1.
+    fn least_scaled_jacobian(&self, cell: &Cell, sense: f64) -> f64 {
+        let corners = (0..8).filter_map(|corner| self.scaled_jacobian(cell, corner));
+        corners.map(|value| sense * value).fold(1.0, f64::min)
     }
 
     /// Scaled Jacobian at a corner (0 to 7) of a cell, positive when it turns right-handed; see the
@@ -132,6 +158,10 @@ impl CellGrid {
             0.0
         })
     }
+}
+
+fn is_folded(determinants: &[f64; 8], sense: f64) -> bool {
+    determinants.iter().any(|d| d.is_nan() || sense * d <= 0.0)
 }
 
 /// Number of distinct nodes of a cell.

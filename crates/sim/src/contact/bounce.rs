@@ -108,7 +108,7 @@ fn rigid_parties(scene: &Scene, body: usize, holder: Holder) -> Option<[&Body; 2
     let Holder::Body(other) = holder else {
         return None;
     };
-    let parties = [body, other as usize].map(|body| &scene.bodies[body]);
+    let parties = [body, other as usize].map(|body| &*scene.bodies[body]);
     let soft = parties.iter().any(|body| body.is_soft());
     (!soft).then_some(parties)
 }

@@ -37,8 +37,17 @@ impl Scene {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn build(spec: &SceneSpec, directory: &Path) -> Result<Self, SceneError> {
+        Self::build_with(spec, directory, &[])
+    }
+
+    /// [`Scene::build`], with bodies that are ready, by index.
+    pub(super) fn build_with(
+        spec: &SceneSpec,
+        directory: &Path,
+        ready: &[Option<Arc<Body>>],
+    ) -> Result<Self, SceneError> {
         let door = Door::new(directory);
-        let mut built = scene(spec, &door.top());
+        let mut built = scene(spec, ready, &door.top());
         if let Some(scene) = &mut built {
             scene.notes = door.notes();
         }
@@ -74,7 +83,7 @@ pub fn inline_files(spec: &SceneSpec, directory: &Path) -> Result<SceneSpec, Sce
     door.close(Some(inlined))
 }
 
-fn scene(spec: &SceneSpec, top: &At<'_>) -> Option<Scene> {
+fn scene(spec: &SceneSpec, ready: &[Option<Arc<Body>>], top: &At<'_>) -> Option<Scene> {
     check_globals(spec, top);
     let dt_s = 1.0 / f64::from(spec.loop_.rate_hz.max(1));
     let frictions = Frictions::of(spec, top);
@@ -85,10 +94,15 @@ fn scene(spec: &SceneSpec, top: &At<'_>) -> Option<Scene> {
         .map(|(t, tool)| tool::build(tool, &top.key("tool").entry(t), dt_s))
         .collect();
     let frame = frame(spec, top);
-    let bodies: Vec<Option<Body>> = (spec.bodies.iter().enumerate())
-        .map(|(b, body)| model::build(spec, &tools, body, &top.key("body").entry(b), dt_s))
+    let known: Vec<Option<&Tool>> = tools.iter().map(Option::as_ref).collect();
+    let bodies: Vec<Option<Arc<Body>>> = (spec.bodies.iter().enumerate())
+        .map(|(b, body)| {
+            let made = || model::build(spec, &known, body, &top.key("body").entry(b), dt_s);
+            let ready = ready.get(b).cloned().flatten();
+            ready.or_else(|| made().map(Arc::new))
+        })
         .collect();
-    let mut bodies: Vec<Body> = bodies.into_iter().collect::<Option<_>>()?;
+    let mut bodies: Vec<Arc<Body>> = bodies.into_iter().collect::<Option<_>>()?;
     let tools: Vec<Tool> = tools.into_iter().collect::<Option<_>>()?;
     make_solid(&mut bodies, &tools, top)?;
     let (frictions, frame) = (frictions?, frame?);
@@ -109,7 +123,7 @@ fn scene(spec: &SceneSpec, top: &At<'_>) -> Option<Scene> {
 }
 
 /// Gives closed parts what surfaces and other parts need to touch them, where there are any.
-fn make_solid(bodies: &mut [Body], tools: &[Tool], top: &At<'_>) -> Option<()> {
+fn make_solid(bodies: &mut [Arc<Body>], tools: &[Tool], top: &At<'_>) -> Option<()> {
     let touched = bodies.iter().any(|body| !body.is_firm()) && bodies.len() > 1
         || (tools.iter()).any(|tool| matches!(tool.shape, ToolShape::Surface(_)));
     for (b, body) in bodies.iter_mut().enumerate().filter(|_| touched) {
@@ -117,7 +131,12 @@ fn make_solid(bodies: &mut [Body], tools: &[Tool], top: &At<'_>) -> Option<()> {
             continue;
         };
         match MeshTool::of_part(placed.shared()) {
-            Ok(solid) => body.solid = Some(Arc::new(solid)),
+            Ok(solid) => {
+                // Parts are rigid, and made here.
+                if let Some(body) = Arc::get_mut(body) {
+                    body.solid = Some(Arc::new(solid));
+                }
+            }
             Err(error) => {
                 return top.key("body").entry(b).key("surface").refused(format!(
                     "surfaces and other bodies touch a part by its triangles, and {error}"
@@ -202,7 +221,7 @@ fn frame(spec: &SceneSpec, top: &At<'_>) -> Option<Option<FrameOf>> {
 }
 
 /// A rigid coupling needs something that gives way.
-fn check_couplings(tools: &[Tool], bodies: &[Body], pairs: &[Pair], top: &At<'_>) {
+fn check_couplings(tools: &[Tool], bodies: &[Arc<Body>], pairs: &[Pair], top: &At<'_>) {
     for (t, tool) in tools.iter().enumerate() {
         let is_rigid = |pair: &&Pair| matches!(bodies[pair.body].model, BodyModel::Rigid);
         let mut of_tool = pairs.iter().filter(|pair| pair.tool() == Some(t));

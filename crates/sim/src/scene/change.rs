@@ -8,17 +8,18 @@
 //! The new file says all that the new scene is, so a recording that begins with the state after the
 //! change replays alone.
 
-use super::Scene;
 use super::door::{Door, SceneError};
 use super::spec::{
     BodySpec, ContactSpec, FixedSpec, ModelSpec, PoseSpec, RefineAuto, RefineSpec, SceneSpec,
     SurfaceSpec,
 };
 use super::surface::STEP;
+use super::{Body, Scene};
 use palpate_geometry::basis::KnotVector;
 use palpate_geometry::math::{Point3, Pose, Rotation, Vector3};
 use palpate_geometry::surface::{ControlNet, Surface, SurfaceError, file};
 use std::path::Path;
+use std::sync::Arc;
 
 /// Where a body of the new scene comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,15 +56,43 @@ fn all_kept(spec: &SceneSpec) -> Vec<Origin> {
 }
 
 /// The next scene, and where its bodies come from.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct SceneChange {
     /// As a file.
     pub spec: SceneSpec,
     /// By body.
     pub origins: Vec<Origin>,
+    /// By body: those that need not be built.
+    pub(super) ready: Vec<Option<Arc<Body>>>,
 }
 
 impl SceneChange {
+    /// A scene with the same tools.
+    pub(super) fn new(scene: &Scene, spec: SceneSpec, origins: Vec<Origin>) -> Self {
+        debug_assert_eq!(spec.bodies.len(), origins.len(), "an origin a body");
+        debug_assert_eq!(spec.tools, scene.spec.tools, "tools stay");
+        let stays = |origin: &Origin| match *origin {
+            Origin::Kept { from, moved } if moved == Vector3::zeros() => {
+                Some(&scene.bodies[from]).filter(|body| body.is_soft())
+            }
+            _ => None,
+        };
+        let ready = origins.iter().map(|origin| stays(origin).cloned());
+        Self {
+            ready: ready.collect(),
+            spec,
+            origins,
+        }
+    }
+
+    /// The next scene: [`Scene::build_to_run`] of its file, but what stays or is made already is not built again.
+    ///
+    /// # Errors
+    /// As [`Scene::build_to_run`].
+    pub fn build_to_run(&self) -> Result<Scene, SceneError> {
+        Scene::build_with(&self.spec, Path::new(""), &self.ready)?.to_run()
+    }
+
     /// What the next scene says of a body; `None` without a body of that id.
     pub fn body(&self, id: &str) -> Option<&BodySpec> {
         self.spec.bodies.iter().find(|body| body.id == id)
@@ -84,7 +113,7 @@ impl SceneChange {
                 moved: by,
             };
         }
-        Ok(Self { spec, origins })
+        Ok(Self::new(scene, spec, origins))
     }
 
     /// The scene with one body in the place of several: `parts` in the order in which they were
@@ -145,14 +174,12 @@ impl SceneChange {
             .map(|&part| spec.bodies[part].id.as_str())
             .collect();
         let contacts = renamed(&spec.contacts, &names, id);
-        Ok(Self {
-            spec: SceneSpec {
-                bodies,
-                contacts,
-                ..spec
-            },
-            origins,
-        })
+        let next = SceneSpec {
+            bodies,
+            contacts,
+            ..spec
+        };
+        Ok(Self::new(scene, next, origins))
     }
 
     /// A body may become a part: it is rigid, and stands where the scene says.
@@ -196,7 +223,7 @@ impl SceneChange {
             body.model = Some(ModelSpec::Rigid);
             origins[index] = Origin::New;
         }
-        Ok(Self { spec, origins })
+        Ok(Self::new(scene, spec, origins))
     }
 
     /// True when the bodies that stay have the same coordinates in both scenes.

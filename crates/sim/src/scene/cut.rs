@@ -6,14 +6,14 @@
 //! A piece has cells of its own, of the shape of its boundary, and takes over the motion of the matter that was there:
 //! [`CarryOver`](crate::tick::CarryOver).
 
-use super::Scene;
 use super::change::{Origin, SceneChange, inline, pinned, placement};
-use super::door::SceneError;
-use super::model::{layers_of_continuum, material_of};
+use super::door::{Door, SceneError};
+use super::model::material_of;
 use super::spec::{
     BodySpec, BuilderSpec, ContactMethod, ContactSpec, FixedSpec, ModelSpec, RefineAuto,
     RefineSpec, SceneSpec,
 };
+use super::{Body, Scene, Tool, model};
 use crate::body::Deformed;
 use palpate_geometry::basis::KnotVector;
 use palpate_geometry::cut::{
@@ -21,6 +21,8 @@ use palpate_geometry::cut::{
 };
 use palpate_geometry::math::{Point3, Vector3};
 use palpate_geometry::surface::{Surface, SurfaceError};
+use std::path::Path;
+use std::sync::Arc;
 
 /// Fewest control points of a piece around, and from pole to pole.
 const FEWEST: usize = 8;
@@ -34,6 +36,8 @@ const FINER: f64 = 1.5;
 const MOST: usize = 36;
 /// A surface that misses its piece by more than this, relative to the piece's size, is refused.
 const FARTHEST: f64 = 0.06;
+/// Nodes of a piece along each axis of a cube at least, where the body has as many.
+const FEWEST_NODES: usize = 4;
 /// Characters of an id at most.
 const LONGEST_ID: usize = 64;
 
@@ -235,7 +239,12 @@ impl SceneChange {
         let denser = kept * enclosed / pieces.iter().map(|surface| volume(surface)).sum::<f64>();
         let mut made = Vec::new();
         for (id, surface) in ids.iter().zip(pieces) {
-            made.push(piece(&whole, id, surface, denser)?);
+            let mut piece = piece(&whole, id, surface, denser)?;
+            if whole.lattice.builder != BuilderSpec::Layers {
+                let share = (volume(surface) / enclosed).min(1.0);
+                piece.lattice.nodes = nodes_of(whole.lattice.nodes, share);
+            }
+            made.push(piece);
         }
         spec.bodies.splice(body..body, made);
         let origins = (0..scene.body_count()).flat_map(|from| match from == body {
@@ -247,8 +256,73 @@ impl SceneChange {
         if kept >= 1.0 {
             spec.contacts.extend(apart(&ids));
         }
-        Ok((Self { spec, origins }, ids))
+        let mut change = Self::new(scene, spec, origins);
+        change.make_pieces(scene, body, pieces.len())?;
+        Ok((change, ids))
     }
+
+    /// Builds pieces, the first of which is a body of the next scene, side by side.
+    fn make_pieces(&mut self, scene: &Scene, first: usize, count: usize) -> Result<(), SceneError> {
+        let mut made: Vec<_> = (0..count).map(|_| None).collect();
+        std::thread::scope(|threads| {
+            for (k, made) in made.iter_mut().enumerate() {
+                let spec = &self.spec;
+                threads.spawn(move || *made = Some(made_piece(scene, spec, first + k)));
+            }
+        });
+        for (k, made) in made.into_iter().flatten().enumerate() {
+            let (spec, body) = made?;
+            self.spec.bodies[first + k] = spec;
+            self.ready[first + k] = Some(Arc::new(body));
+        }
+        Ok(())
+    }
+}
+
+/// A piece, with fewer layers or of springs where its shape leaves no other cells.
+fn made_piece(
+    scene: &Scene,
+    next: &SceneSpec,
+    body: usize,
+) -> Result<(BodySpec, Body), SceneError> {
+    let tools: Vec<Option<&Tool>> = scene.tools.iter().map(Some).collect();
+    let whole = &next.bodies[body];
+    let mut refused = None;
+    for (model, layers) in instead(whole) {
+        let mut spec = whole.clone();
+        if model != whole.model() {
+            spec.model = Some(model);
+        }
+        spec.lattice.layers = Some(layers);
+        let door = Door::new(Path::new(""));
+        let top = door.top();
+        let at = top.key("body").entry(body);
+        let made = model::build(next, &tools, &spec, &at, scene.dt_s);
+        drop((at, top));
+        match door.close(made) {
+            Ok(made) => return Ok((spec, made)),
+            Err(error) => refused = refused.or(Some(error)),
+        }
+    }
+    Err(refused.unwrap_or_else(|| SceneError::one(format!("body[{body}]"), "it has no model")))
+}
+
+/// What a piece may be, the best first: model and layers.
+fn instead(piece: &BodySpec) -> Vec<(ModelSpec, usize)> {
+    let (model, layers) = (piece.model(), piece.layers());
+    let fewest = match piece.lattice.builder {
+        BuilderSpec::Layers if model != ModelSpec::Lattice => 1,
+        _ => layers,
+    };
+    let mut all: Vec<_> = (fewest..=layers)
+        .rev()
+        .map(|layers| (model, layers))
+        .collect();
+    // Springs take cells of any shape.
+    if model != ModelSpec::Lattice {
+        all.push((ModelSpec::Lattice, layers));
+    }
+    all
 }
 
 /// One cut, or with a kerf one at each of its sides: what is above of the first, and what is below of the last, is left.
@@ -395,8 +469,7 @@ fn numbered(id: &str, count: usize, spec: &SceneSpec) -> Result<Vec<String>, Sce
     }
 }
 
-/// A piece of a body, which has its model and material: a continuum with fewer layers, or springs instead, where its shape
-/// leaves no other cells.
+/// A piece of a body, which has its model and material.
 fn piece(
     whole: &BodySpec,
     id: &str,
@@ -429,15 +502,13 @@ fn piece(
         FixedSpec::Range { .. } => true,
     });
     body.lattice.refine = RefineSpec::Auto(RefineAuto::None);
-    body.lattice.layers = Some(whole.layers());
-    if whole.model() == ModelSpec::Continuum && whole.lattice.builder == BuilderSpec::Layers {
-        match layers_of_continuum(surface, whole.layers()) {
-            Some(layers) => body.lattice.layers = Some(layers),
-            // Springs take cells of any shape.
-            None => body.model = Some(ModelSpec::Lattice),
-        }
-    }
     Ok(body)
+}
+
+/// Nodes along each axis for a share of a body's volume, in cells as large as the body's.
+fn nodes_of(whole: [usize; 3], share: f64) -> [usize; 3] {
+    let cells = |nodes: usize| (nodes - 1) as f64 * libm::cbrt(share);
+    whole.map(|nodes| nodes.min(FEWEST_NODES.max(cells(nodes).ceil() as usize + 1)))
 }
 
 /// Exceptions for contacts, with each piece in the place of a body.

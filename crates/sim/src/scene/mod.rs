@@ -47,6 +47,7 @@ use palpate_geometry::part::PartMesh;
 use palpate_geometry::skin::Skin;
 use palpate_geometry::surface::{Mesh, Surface};
 use spec::{ActionSpec, Clock, SceneSpec};
+use std::sync::Arc;
 
 /// The constant of a simulation: built once, shared, never changed.
 #[derive(Debug)]
@@ -59,7 +60,8 @@ pub struct Scene {
     pub clock: Clock,
     /// The file it was built from.
     pub spec: SceneSpec,
-    pub(crate) bodies: Vec<Body>,
+    /// Scenes that follow each other share those that stay.
+    pub(crate) bodies: Vec<Arc<Body>>,
     pub(crate) tools: Vec<Tool>,
     /// Those of tools first, ordered by tool, then body; then those of bodies.
     pub(crate) pairs: Vec<Pair>,
@@ -200,7 +202,7 @@ impl Scene {
 
     /// Bodies whose nets are in pieces, by id: rows and columns after which they begin anew.
     pub fn net_gaps(&self) -> Vec<(String, [Vec<usize>; 2])> {
-        let gaps = |body: &Body| match &body.skin {
+        let gaps = |body: &Arc<Body>| match &body.skin {
             Skin::Surface(surface) => {
                 [surface.knots_u(), surface.knots_v()].map(|knots| knots.parted_after())
             }

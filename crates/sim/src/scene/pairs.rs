@@ -9,6 +9,7 @@ use crate::solve::friction::Friction;
 use crate::solve::rows::Holder;
 use palpate_geometry::contact::dispatch;
 use palpate_geometry::contact::dispatch::Method;
+use std::sync::Arc;
 
 /// What a `[[contact]]` says, checked against the names of the scene alone.
 pub(super) fn check(spec: &SceneSpec, contact: &ContactSpec, at: &At<'_>) -> Option<()> {
@@ -89,7 +90,7 @@ pub(super) fn build(
     spec: &SceneSpec,
     frictions: &Frictions,
     tools: &[Tool],
-    bodies: &[Body],
+    bodies: &[Arc<Body>],
     frame: Option<&FrameOf>,
     top: &At<'_>,
 ) -> Option<Vec<Pair>> {

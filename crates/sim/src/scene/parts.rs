@@ -159,7 +159,7 @@ impl Pair {
     }
 
     /// What stands against its body.
-    pub fn party<'a>(&self, tools: &'a [Tool], bodies: &'a [Body]) -> Party<'a> {
+    pub fn party<'a>(&self, tools: &'a [Tool], bodies: &'a [Arc<Body>]) -> Party<'a> {
         match self.holder {
             Holder::Tool(tool) => Party::Tool(&tools[tool as usize].shape),
             Holder::Body(other) if other as usize == self.body => Party::Itself,

@@ -1,6 +1,6 @@
 //! The compiled plan: what a tick of this scene does and holds, and nothing else.
 
-use super::{BodyModel, Pair, Scene};
+use super::{BodyModel, DeformingBody, Pair, Scene};
 use crate::body::Deformable;
 use crate::solve::rows::Holder;
 use palpate_geometry::contact::ToolShape;
@@ -103,16 +103,27 @@ pub struct DeformingPlan {
 impl DeformingPlan {
     /// That a step takes longer than the ticks it has, if it does, and what would help.
     pub fn too_slow(&self) -> Option<String> {
-        let fitting = self.fitting_every?;
-        let ticks = match self.every {
-            1 => "a tick".to_owned(),
-            every => format!("its {every} ticks"),
-        };
-        Some(format!(
-            "a step is predicted to take {:.1} ms, longer than {ticks}: `every = {fitting}` would fit, or fewer nodes",
-            self.step_us * 1e-3
-        ))
+        Some(too_slow(self.step_us, self.every, self.fitting_every?))
     }
+}
+
+/// That a step takes longer than the ticks it has, and what would help.
+fn too_slow(step_us: f64, every: u32, fitting_every: u32) -> String {
+    let ticks = match every {
+        1 => "a tick".to_owned(),
+        every => format!("its {every} ticks"),
+    };
+    format!(
+        "a step is predicted to take {:.1} ms, longer than {ticks}: `every = {fitting_every}` would fit, or fewer nodes",
+        step_us * 1e-3
+    )
+}
+
+/// [`DeformingPlan::too_slow`] of a body, without the rest of its plan.
+pub(super) fn slow_step(body: &DeformingBody, dt_s: f64) -> Option<String> {
+    let step_us = step_us(&body.deformable);
+    let fitting = fitting_every(step_us, body.every, dt_s)?;
+    Some(too_slow(step_us, body.every, fitting))
 }
 
 /// A tool of the plan.

@@ -8,7 +8,7 @@
 use crate::contact::warm::{Warm, WarmRow};
 use crate::contact::{bounce, dent, stick};
 use crate::party::{BodyScratch, BodyState, Party as _, Problem, ToolScratch, ToolState};
-use crate::scene::{Body, Scene};
+use crate::scene::Scene;
 use crate::solve::direct::{Change, Coupled};
 use crate::solve::friction::FrictionLaw;
 use crate::solve::hold::{Barrier, hold};
@@ -191,7 +191,7 @@ impl Balance<'_> {
         let mut any = false;
         for row in rows {
             for party in giving(scene, row) {
-                if let Some(free) = scene.bodies.get(party).and_then(Body::free) {
+                if let Some(free) = scene.bodies.get(party).and_then(|body| body.free()) {
                     (heaviest_kg[party], any) = (free.mass.mass_kg, true);
                 }
             }
@@ -204,7 +204,7 @@ impl Balance<'_> {
                 for party in giving(scene, row).filter(|_| most_kg > 0.0) {
                     let own_kg = &mut heaviest_kg[party];
                     if *own_kg == 0.0 {
-                        let soft = scene.bodies.get(party).and_then(Body::deforming);
+                        let soft = scene.bodies.get(party).and_then(|body| body.deforming());
                         *own_kg = soft.map_or(0.0, |soft| soft.deformable.mass_kg());
                         more = true;
                     }

@@ -2,6 +2,9 @@
 
 use super::{Below, BlockCholesky, BlockTriplets, COLUMNS, DIAGONAL_ROWS, PANEL, Panel};
 use crate::math::cholesky::{CholeskyError, elimination_tree};
+#[cfg(target_arch = "x86_64")]
+use crate::math::lanes::Wide;
+use crate::math::lanes::{Baseline, Lanes};
 use crate::math::{Lane, Point3, Random, ordering};
 
 /// A node joins the panel of the node before it while zeros are at most this share of its column.
@@ -175,58 +178,184 @@ impl Structure {
     }
 }
 
-/// A 3 × 3 block by columns.
-type Block = [f64; 9];
-
-/// Panels of blocks: for each, its own nodes and those below as rows, `width` blocks a row.
+/// Panels in numbers: for each, its columns one after another, in each the rows of its own nodes, then of those below.
 struct Numeric {
-    panels: Vec<Vec<Block>>,
+    panels: Vec<Dense>,
 }
 
-/// c −= a bᵀ.
-#[inline(always)]
-fn subtract_product(c: &mut Block, a: &Block, b: &Block) {
-    for k in 0..3 {
-        for j in 0..3 {
-            let factor = b[3 * k + j];
-            for i in 0..3 {
-                c[3 * j + i] -= a[3 * k + i] * factor;
+/// Rows that a kernel takes at once.
+const ROWS: usize = 8;
+
+/// A panel of numbers by columns.
+struct Dense {
+    columns: usize,
+    /// Numbers from one column to the next: the rows, filled up by a kernel's width.
+    stride: usize,
+    values: Vec<f64>,
+}
+
+impl Dense {
+    fn zeros(columns: usize, rows: usize) -> Self {
+        let stride = rows.next_multiple_of(ROWS) + ROWS;
+        Self {
+            columns,
+            stride,
+            values: vec![0.0; columns * stride],
+        }
+    }
+
+    fn at(&self, row: usize, column: usize) -> f64 {
+        self.values[column * self.stride + row]
+    }
+
+    fn at_mut(&mut self, row: usize, column: usize) -> &mut f64 {
+        &mut self.values[column * self.stride + row]
+    }
+
+    /// Factors the columns over all `rows`; the number of a column whose pivot is not positive, and the pivot.
+    #[inline(always)]
+    fn factor<L: Lanes>(&mut self, rows: usize) -> Result<(), (usize, f64)> {
+        for column in 0..self.columns {
+            let (before, own) = self.values.split_at_mut(column * self.stride);
+            let before = before.chunks_exact(self.stride);
+            let mut pivot = own[column];
+            for left in before.clone() {
+                pivot -= left[column] * left[column];
             }
+            if !(pivot.is_finite() && pivot > 0.0) {
+                return Err((column, pivot));
+            }
+            let root = pivot.sqrt();
+            let inverse = L::splat(1.0 / root);
+            for row in (column / 4 * 4..rows).step_by(4) {
+                let mut sum = load::<L>(own, row);
+                for left in before.clone() {
+                    sum = sum - load::<L>(left, row) * L::splat(left[column]);
+                }
+                store(sum * inverse, own, row);
+            }
+            own[..column].fill(0.0);
+            own[column] = root;
+        }
+        Ok(())
+    }
+}
+
+#[inline(always)]
+fn load<L: Lanes>(from: &[f64], at: usize) -> L {
+    match from[at..].first_chunk() {
+        Some(four) => L::load(four),
+        None => L::splat(0.0),
+    }
+}
+
+#[inline(always)]
+fn store<L: Lanes>(lanes: L, to: &mut [f64], at: usize) {
+    if let Some(four) = to[at..].first_chunk_mut() {
+        lanes.store(four);
+    }
+}
+
+/// c −= a bᵀ for the three columns of a node: `source` are its panel's numbers from row `first` on, which is also where b is;
+/// the three rows of each node of c begin where `nodes` say, and `target` begins with its first column.
+#[inline(always)]
+fn subtract<L: Lanes>(
+    source: &Dense,
+    first: usize,
+    target: &mut [f64],
+    stride: usize,
+    nodes: &[usize],
+    lanes: &mut [Vec<f64>; 3],
+) {
+    for (c, lane) in lanes.iter_mut().enumerate() {
+        let column = &target[c * stride..][..stride];
+        for (&at, to) in nodes.iter().zip(lane.chunks_exact_mut(3)) {
+            to.copy_from_slice(&column[at..at + 3]);
+        }
+    }
+    let columns = source.values.chunks_exact(source.stride);
+    let [x, y, z] = &mut *lanes;
+    for row in (0..3 * nodes.len()).step_by(ROWS) {
+        let four = |at: usize| [load::<L>(x, at), load::<L>(y, at), load::<L>(z, at)];
+        let (mut sums, mut more) = (four(row), four(row + 4));
+        for column in columns.clone() {
+            let column = &column[first..];
+            let (a, b) = (load::<L>(column, row), load::<L>(column, row + 4));
+            for c in 0..3 {
+                let factor = L::splat(column[c]);
+                sums[c] = sums[c] - a * factor;
+                more[c] = more[c] - b * factor;
+            }
+        }
+        for (c, lane) in [&mut *x, &mut *y, &mut *z].into_iter().enumerate() {
+            store(sums[c], lane, row);
+            store(more[c], lane, row + 4);
+        }
+    }
+    for (c, lane) in lanes.iter().enumerate() {
+        let column = &mut target[c * stride..][..stride];
+        for (&at, from) in nodes.iter().zip(lane.chunks_exact(3)) {
+            column[at..at + 3].copy_from_slice(from);
         }
     }
 }
 
 impl Numeric {
     fn new(matrix: &BlockTriplets, place: &[u32], scales: &[f32], structure: &Structure) -> Self {
-        let size = |p: usize| (structure.width[p] + structure.below[p].len()) * structure.width[p];
-        let mut panels: Vec<Vec<Block>> = (0..structure.first.len())
-            .map(|p| vec![[0.0; 9]; size(p)])
+        let dense = |(&width, below): (&usize, &Vec<u32>)| {
+            Dense::zeros(3 * width, 3 * (width + below.len()))
+        };
+        let mut panels: Vec<Dense> = (structure.width.iter().zip(&structure.below))
+            .map(dense)
             .collect();
         for (i, j, block) in &matrix.entries {
             let (a, b) = (place[*i as usize], place[*j as usize]);
             let block = if a >= b { *block } else { block.transpose() };
             let (row, column) = (a.max(b), a.min(b) as usize);
             let p = structure.panel_of[column] as usize;
-            let width = structure.width[p];
-            let at = structure.row_in(p, row) * width + column - structure.first[p];
+            let first = 3 * structure.row_in(p, row);
             let scale = f64::from(scales[row as usize]) * f64::from(scales[column]);
-            let numbers = block.as_slice();
-            for (to, value) in panels[p][at].iter_mut().zip(numbers) {
-                *to += value * scale;
+            for c in 0..3 {
+                for r in 0..3 {
+                    let column = 3 * (column - structure.first[p]) + c;
+                    *panels[p].at_mut(first + r, column) += block[(r, c)] * scale;
+                }
             }
         }
         Self { panels }
     }
 
     fn factor(&mut self, structure: &Structure, order: &[u32]) -> Result<(), CholeskyError> {
+        #[cfg(target_arch = "x86_64")]
+        if crate::math::simd::has_avx2() {
+            // SAFETY: the processor has AVX2, asked just above.
+            #[allow(unsafe_code)]
+            return unsafe { factor_wide(self, structure, order) };
+        }
+        self.factor_in::<Baseline>(structure, order)
+    }
+
+    #[inline(always)]
+    fn factor_in<L: Lanes>(
+        &mut self,
+        structure: &Structure,
+        order: &[u32],
+    ) -> Result<(), CholeskyError> {
         let mut local = vec![0u32; structure.panel_of.len()];
+        let most = self.panels.iter().map(|panel| panel.stride).max();
+        let mut lanes = [(); 3].map(|()| vec![0.0; most.unwrap_or(0)]);
+        let mut nodes = Vec::new();
         for p in 0..self.panels.len() {
-            let width = structure.width[p];
-            self.factor_panel(p, width, structure, order)?;
+            let (width, below) = (structure.width[p], &structure.below[p]);
+            (self.panels[p].factor::<L>(3 * (width + below.len()))).map_err(
+                |(column, pivot)| CholeskyError::Pivot {
+                    row: order[structure.first[p] + column / 3] as usize,
+                    pivot,
+                },
+            )?;
             // What the rows below take from their own columns, panel by panel.
-            let below = &structure.below[p];
             let (done, later) = self.panels.split_at_mut(p + 1);
-            let own = &done[p][width * width..];
+            let own = &done[p];
             let mut c = 0;
             while c < below.len() {
                 let target = structure.panel_of[below[c] as usize] as usize;
@@ -237,76 +366,15 @@ impl Numeric {
                 for (k, &row) in structure.below[target].iter().enumerate() {
                     local[row as usize] = (wide + k) as u32;
                 }
-                let values = &mut later[target - p - 1];
+                let Dense { stride, values, .. } = &mut later[target - p - 1];
                 while c < below.len() && structure.panel_of[below[c] as usize] as usize == target {
-                    let column = below[c] as usize - first;
-                    let right = &own[c * width..(c + 1) * width];
-                    for r in c..below.len() {
-                        let left = &own[r * width..(r + 1) * width];
-                        let to = &mut values[local[below[r] as usize] as usize * wide + column];
-                        for (a, b) in left.iter().zip(right) {
-                            subtract_product(to, a, b);
-                        }
-                    }
+                    nodes.clear();
+                    let rows = below[c..].iter();
+                    nodes.extend(rows.map(|&row| 3 * local[row as usize] as usize));
+                    let column = 3 * (below[c] as usize - first);
+                    let values = &mut values[column * *stride..];
+                    subtract::<L>(own, 3 * (width + c), values, *stride, &nodes, &mut lanes);
                     c += 1;
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// Factors the diagonal block of a panel and solves for its rows below.
-    fn factor_panel(
-        &mut self,
-        p: usize,
-        width: usize,
-        structure: &Structure,
-        order: &[u32],
-    ) -> Result<(), CholeskyError> {
-        let values = &mut self.panels[p];
-        let rows = values.len() / width;
-        for column in 0..width {
-            for c in 0..3 {
-                // Scalar column 3 column + c, by those before it.
-                let get = |values: &[Block], row: usize, r: usize, k: usize, q: usize| {
-                    values[row * width + k][3 * q + r]
-                };
-                let mut pivot = get(values, column, c, column, c);
-                for k in 0..column {
-                    for q in 0..3 {
-                        pivot -= get(values, column, c, k, q).powi(2);
-                    }
-                }
-                for q in 0..c {
-                    pivot -= get(values, column, c, column, q).powi(2);
-                }
-                if !(pivot.is_finite() && pivot > 0.0) {
-                    let row = order[structure.first[p] + column] as usize;
-                    return Err(CholeskyError::Pivot { row, pivot });
-                }
-                let root = pivot.sqrt();
-                let inverse = 1.0 / root;
-                for row in column..rows {
-                    for r in 0..3 {
-                        if row == column && r <= c {
-                            continue;
-                        }
-                        let mut value = get(values, row, r, column, c);
-                        for k in 0..column {
-                            for q in 0..3 {
-                                value -= get(values, row, r, k, q) * get(values, column, c, k, q);
-                            }
-                        }
-                        for q in 0..c {
-                            value -=
-                                get(values, row, r, column, q) * get(values, column, c, column, q);
-                        }
-                        values[row * width + column][3 * c + r] = value * inverse;
-                    }
-                }
-                values[column * width + column][3 * c + c] = root;
-                for r in 0..c {
-                    values[column * width + column][3 * c + r] = 0.0;
                 }
             }
         }
@@ -317,12 +385,10 @@ impl Numeric {
         let (mut panels, mut rows) = (Vec::new(), Vec::new());
         let (mut diagonals, mut values) = (Vec::new(), Vec::new());
         let (mut most_rows, non_zeros) = (8, structure.non_zeros());
-        for (p, blocks) in self.panels.iter().enumerate() {
+        for (p, panel) in self.panels.iter().enumerate() {
             let (width, below) = (structure.width[p], &structure.below[p]);
             let columns = 3 * width;
-            let at = |row: usize, column: usize| {
-                blocks[(row / 3) * width + column / 3][3 * (column % 3) + row % 3]
-            };
+            let at = |row: usize, column: usize| panel.at(row, column);
             let inverse = inverse_of_triangle(columns, at);
             let (diagonal_start, below_start) = (diagonals.len(), values.len());
             for transposed in [false, true] {
@@ -400,6 +466,17 @@ impl Structure {
     }
 }
 
+/// The same code with 256-bit registers; no fused multiply-add, so the bits are the same.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn factor_wide(
+    numeric: &mut Numeric,
+    structure: &Structure,
+    order: &[u32],
+) -> Result<(), CholeskyError> {
+    numeric.factor_in::<Wide>(structure, order)
+}
+
 /// Inverse of a lower triangle of up to twelve rows.
 fn inverse_of_triangle(size: usize, at: impl Fn(usize, usize) -> f64) -> [[f64; COLUMNS]; COLUMNS] {
     let mut inverse = [[0.0; COLUMNS]; COLUMNS];
@@ -413,4 +490,75 @@ fn inverse_of_triangle(size: usize, at: impl Fn(usize, usize) -> f64) -> [[f64; 
         }
     }
     inverse
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Matrix3;
+
+    /// A matrix of nodes in a box, each tied to its neighbours by blocks that are not diagonal, and where they are.
+    fn tied(counts: [usize; 3], random: &mut Random) -> (BlockTriplets, Vec<Point3>) {
+        let n = counts.iter().product();
+        let place = |k: usize| {
+            let [_, b, c] = counts;
+            Point3::new((k / (b * c)) as f64, (k / c % b) as f64, (k % c) as f64)
+        };
+        let mut matrix = BlockTriplets::new(n);
+        for i in 0..n {
+            matrix.add(i, i, Matrix3::identity());
+            for j in 0..i {
+                if (place(i) - place(j)).norm() < 1.5 {
+                    let a = random.vector();
+                    let block = a * a.transpose();
+                    matrix.add(i, i, block);
+                    matrix.add(j, j, block);
+                    matrix.add(i, j, -block);
+                }
+            }
+        }
+        (matrix, (0..n).map(place).collect())
+    }
+
+    #[test]
+    #[cfg(target_arch = "x86_64")]
+    fn wide_registers_factor_to_the_bits_of_the_baseline() {
+        if !std::arch::is_x86_feature_detected!("avx2") {
+            eprintln!("skipped: this processor has no AVX2");
+            return;
+        }
+        let mut random = Random(11);
+        for counts in [[1, 1, 1], [1, 1, 5], [2, 3, 4], [7, 6, 5], [3, 20, 4]] {
+            let (matrix, _) = tied(counts, &mut random);
+            let place: Vec<u32> = (0..matrix.n as u32).collect();
+            let structure = Structure::new(&matrix, &place);
+            let scales = scales(&matrix, &place);
+            let make = || Numeric::new(&matrix, &place, &scales, &structure);
+            let (mut plain, mut wide) = (make(), make());
+            plain.factor_in::<Baseline>(&structure, &place).unwrap();
+            // SAFETY: asked just above.
+            #[allow(unsafe_code)]
+            unsafe {
+                factor_wide(&mut wide, &structure, &place).unwrap();
+            }
+            let bits = |numeric: &Numeric| -> Vec<u64> {
+                let panels = numeric.panels.iter();
+                panels
+                    .flat_map(|panel| panel.values.iter().map(|x| x.to_bits()))
+                    .collect()
+            };
+            assert_eq!(bits(&plain), bits(&wide), "{counts:?}");
+        }
+    }
+
+    #[test]
+    fn the_factor_times_its_transposed_is_the_matrix() {
+        let mut random = Random(5);
+        for counts in [[1, 1, 2], [4, 4, 4], [2, 11, 3]] {
+            let (matrix, places) = tied(counts, &mut random);
+            let factor = factor(&matrix, &places, usize::MAX).unwrap().unwrap();
+            // Single precision of a well conditioned matrix.
+            assert!(worst_error(&matrix, &factor) < 1e-4, "{counts:?}");
+        }
+    }
 }

@@ -97,13 +97,25 @@ enum Below {
 /// Scalar rows of a diagonal block, filled up to eights.
 const DIAGONAL_ROWS: usize = 16;
 
-/// Buffers of a solve.
-#[derive(Clone, Debug, Default)]
-pub struct BlockWork {
-    /// (3 n + 8).
-    x: Vec<f32>,
+/// Buffers of a solve of `M` right-hand sides.
+#[derive(Clone, Debug)]
+pub struct BlockWork<const M: usize = 1> {
+    /// (3 n + 8) each.
+    x: [Vec<f32>; M],
     /// Rows below a panel.
-    below: Vec<f32>,
+    below: [Vec<f32>; M],
+    /// Their largest numbers.
+    largest: [f64; M],
+}
+
+impl<const M: usize> Default for BlockWork<M> {
+    fn default() -> Self {
+        Self {
+            x: [const { Vec::new() }; M],
+            below: [const { Vec::new() }; M],
+            largest: [0.0; M],
+        }
+    }
 }
 
 impl BlockCholesky {
@@ -161,40 +173,59 @@ impl BlockCholesky {
 
     /// Buffers for [`BlockCholesky::solve`].
     pub fn work(&self) -> BlockWork {
+        self.work_of()
+    }
+
+    /// Buffers for [`BlockCholesky::solve_all`].
+    pub fn work_of<const M: usize>(&self) -> BlockWork<M> {
         BlockWork {
-            x: vec![0.0; 3 * self.n + 8],
-            below: vec![0.0; self.most_rows],
+            x: std::array::from_fn(|_| vec![0.0; 3 * self.n + 8]),
+            below: std::array::from_fn(|_| vec![0.0; self.most_rows]),
+            largest: [0.0; M],
         }
     }
 
     /// Solves A x = b in place (n, fourth numbers become zero). `b` is scaled by its largest number
     /// first, so that single precision neither overflows nor loses small right-hand sides.
     pub fn solve(&self, b: &mut [Lane], work: &mut BlockWork) {
-        debug_assert_eq!(b.len(), self.n, "right-hand side and factor disagree");
-        let mut largest = 0.0_f64;
-        for lane in b.iter() {
-            for value in &lane[..3] {
-                largest = if value.abs() > largest {
-                    value.abs()
-                } else {
-                    largest
-                };
-            }
+        self.solve_all([b], work);
+    }
+
+    /// [`BlockCholesky::solve`] for several right-hand sides, which share the reading of the factor.
+    pub fn solve_all<const M: usize>(&self, mut b: [&mut [Lane]; M], work: &mut BlockWork<M>) {
+        for ((b, x), largest) in b.iter().zip(&mut work.x).zip(&mut work.largest) {
+            *largest = largest_of(b);
+            self.enter(b, *largest, x);
         }
+        match &self.below {
+            Below::Single(below) => self.solve_stored(below, work),
+            Below::Half(below) => self.solve_stored(below, work),
+        }
+        for ((b, x), largest) in b.iter_mut().zip(&work.x).zip(&work.largest) {
+            self.leave(x, *largest, b);
+        }
+    }
+
+    /// A right-hand side in the order of the factor, scaled.
+    fn enter(&self, b: &[Lane], largest: f64, x: &mut [f32]) {
+        debug_assert_eq!(b.len(), self.n, "right-hand side and factor disagree");
         if largest == 0.0 {
-            b.fill([0.0; 4]);
+            x.fill(0.0);
             return;
         }
         let scale = 1.0 / largest;
         for (place, &node) in self.order.iter().enumerate() {
             let lane = &b[node as usize];
             for c in 0..3 {
-                work.x[3 * place + c] = (lane[c] * scale) as f32 * self.scales[place];
+                x[3 * place + c] = (lane[c] * scale) as f32 * self.scales[place];
             }
         }
-        self.solve_scaled(work);
+    }
+
+    /// The solution as the right-hand side was.
+    fn leave(&self, x: &[f32], largest: f64, b: &mut [Lane]) {
         for (place, &node) in self.order.iter().enumerate() {
-            let x = &work.x[3 * place..3 * place + 3];
+            let x = &x[3 * place..3 * place + 3];
             let scale = f64::from(self.scales[place]) * largest;
             b[node as usize] = [
                 f64::from(x[0]) * scale,
@@ -205,39 +236,36 @@ impl BlockCholesky {
         }
     }
 
-    fn solve_scaled(&self, work: &mut BlockWork) {
-        match &self.below {
-            Below::Single(below) => self.solve_stored(below, work),
-            Below::Half(below) => self.solve_stored(below, work),
-        }
-    }
-
-    fn solve_stored<S: Stored>(&self, below: &[S], work: &mut BlockWork) {
+    fn solve_stored<S: Stored, const M: usize>(&self, below: &[S], work: &mut BlockWork<M>) {
         #[cfg(target_arch = "x86_64")]
         if super::simd::has_avx2() {
             // SAFETY: the processor has AVX2 and F16C, asked just above.
             #[allow(unsafe_code)]
             return unsafe { solve_wide(self, below, work) };
         }
-        self.solve_in::<S, BaselineEight>(below, work);
+        self.solve_in::<S, BaselineEight, M>(below, work);
     }
 
     #[inline(always)]
-    fn solve_in<S: Stored, E: Eight>(&self, below: &[S], work: &mut BlockWork) {
+    fn solve_in<S: Stored, E: Eight, const M: usize>(&self, below: &[S], work: &mut BlockWork<M>) {
         for panel in &self.panels {
             match panel.width {
-                1 => self.forward::<3, S, E>(panel, below, work),
-                2 => self.forward::<6, S, E>(panel, below, work),
-                3 => self.forward::<9, S, E>(panel, below, work),
-                _ => self.forward::<12, S, E>(panel, below, work),
+                1 => self.forward::<3, M, S, E>(panel, below, work),
+                2 => self.forward::<6, M, S, E>(panel, below, work),
+                3 => self.forward::<9, M, S, E>(panel, below, work),
+                _ => self.forward::<12, M, S, E>(panel, below, work),
             }
         }
         for panel in self.panels.iter().rev() {
-            match panel.width {
-                1 => self.backward::<3, S, E>(panel, below, work),
-                2 => self.backward::<6, S, E>(panel, below, work),
-                3 => self.backward::<9, S, E>(panel, below, work),
-                _ => self.backward::<12, S, E>(panel, below, work),
+            // Sums of one right-hand side stay in registers for all columns, those of several for three.
+            match (panel.width, M) {
+                (1, _) => self.backward::<3, 3, M, S, E>(panel, below, work),
+                (2, 1) => self.backward::<6, 6, M, S, E>(panel, below, work),
+                (3, 1) => self.backward::<9, 9, M, S, E>(panel, below, work),
+                (_, 1) => self.backward::<12, 12, M, S, E>(panel, below, work),
+                (2, _) => self.backward::<6, 3, M, S, E>(panel, below, work),
+                (3, _) => self.backward::<9, 3, M, S, E>(panel, below, work),
+                _ => self.backward::<12, 3, M, S, E>(panel, below, work),
             }
         }
     }
@@ -298,77 +326,125 @@ impl BlockCholesky {
     }
 
     #[inline(always)]
-    fn forward<const C: usize, S: Stored, E: Eight>(
+    fn forward<const C: usize, const M: usize, S: Stored, E: Eight>(
         &self,
         panel: &Panel,
         values: &[S],
-        work: &mut BlockWork,
+        work: &mut BlockWork<M>,
     ) {
         let (rows, inverse, _) = self.parts::<C>(panel);
         let groups = Self::groups::<C, S>(panel, rows, values);
         let first = 3 * panel.first as usize;
-        let mut own = [0.0; COLUMNS];
-        own[..C].copy_from_slice(&work.x[first..first + C]);
-        if own.iter().all(|&x| x == 0.0) {
+        let mut own = [[0.0; COLUMNS]; M];
+        for (own, x) in own.iter_mut().zip(&work.x) {
+            own[..C].copy_from_slice(&x[first..first + C]);
+        }
+        if own.as_flattened().iter().all(|&x| x == 0.0) {
             // Loads on a few nodes reach few panels on the way down.
             return;
         }
-        let own = Self::triangle::<C, E>(inverse, &own);
-        work.x[first..first + C].copy_from_slice(&own[..C]);
-        let mut splats = [E::splat(0.0); C];
-        for c in 0..C {
-            splats[c] = E::splat(own[c]);
-        }
-        gather(rows, &work.x, &mut work.below);
-        let (below, _) = work.below.as_chunks_mut::<8>();
-        for (group, below) in groups.chunks_exact(C).zip(below) {
-            let mut sum = E::load(below);
+        let mut splats = [[E::splat(0.0); C]; M];
+        for m in 0..M {
+            let own = Self::triangle::<C, E>(inverse, &own[m]);
+            work.x[m][first..first + C].copy_from_slice(&own[..C]);
             for c in 0..C {
-                sum = sum.minus(S::eight::<E>(&group[c]).times(splats[c]));
+                splats[m][c] = E::splat(own[c]);
             }
-            sum.store(below);
+            gather(rows, &work.x[m], &mut work.below[m]);
         }
-        for (&row, x) in rows.iter().zip(work.below.chunks_exact(3)) {
-            work.x[3 * row as usize..3 * row as usize + 3].copy_from_slice(x);
+        for (g, group) in groups.chunks_exact(C).enumerate() {
+            let mut sums = [E::splat(0.0); M];
+            for m in 0..M {
+                sums[m] = eight_of(&work.below[m], g);
+            }
+            for c in 0..C {
+                let value = S::eight::<E>(&group[c]);
+                for m in 0..M {
+                    sums[m] = sums[m].minus(value.times(splats[m][c]));
+                }
+            }
+            for m in 0..M {
+                let (below, _) = work.below[m].as_chunks_mut::<8>();
+                sums[m].store(&mut below[g]);
+            }
+        }
+        for (x, below) in work.x.iter_mut().zip(&work.below) {
+            for (&row, from) in rows.iter().zip(below.chunks_exact(3)) {
+                x[3 * row as usize..3 * row as usize + 3].copy_from_slice(from);
+            }
         }
     }
 
+    /// `W` columns at a time.
     #[inline(always)]
-    fn backward<const C: usize, S: Stored, E: Eight>(
+    fn backward<const C: usize, const W: usize, const M: usize, S: Stored, E: Eight>(
         &self,
         panel: &Panel,
         values: &[S],
-        work: &mut BlockWork,
+        work: &mut BlockWork<M>,
     ) {
         let (rows, _, transposed) = self.parts::<C>(panel);
         let groups = Self::groups::<C, S>(panel, rows, values);
         let first = 3 * panel.first as usize;
-        gather(rows, &work.x, &mut work.below);
-        let mut sums = [E::splat(0.0); C];
-        let (below, _) = work.below.as_chunks::<8>();
-        for (group, below) in groups.chunks_exact(C).zip(below) {
-            let x = E::load(below);
-            for c in 0..C {
-                sums[c] = sums[c].plus(S::eight::<E>(&group[c]).times(x));
-            }
+        for (x, below) in work.x.iter().zip(&mut work.below) {
+            gather(rows, x, below);
         }
-        let mut own = [0.0; COLUMNS];
-        for c in (0..C).step_by(4) {
-            let at = |k: usize| {
-                if c + k < C {
-                    sums[c + k]
-                } else {
-                    E::splat(0.0)
+        let mut own = [[0.0; COLUMNS]; M];
+        for start in (0..C).step_by(W) {
+            let mut sums = [[E::splat(0.0); W]; M];
+            for (g, group) in groups.chunks_exact(C).enumerate() {
+                let mut x = [E::splat(0.0); M];
+                for m in 0..M {
+                    x[m] = eight_of(&work.below[m], g);
                 }
-            };
-            let four = E::sums([at(0), at(1), at(2), at(3)]);
-            for (k, sum) in four.into_iter().enumerate().take(C - c) {
-                own[c + k] = work.x[first + c + k] - sum;
+                for w in 0..W {
+                    let value = S::eight::<E>(&group[start + w]);
+                    for m in 0..M {
+                        sums[m][w] = sums[m][w].plus(value.times(x[m]));
+                    }
+                }
+            }
+            for m in 0..M {
+                for w in (0..W).step_by(4) {
+                    let at = |k: usize| match sums[m].get(w + k) {
+                        Some(sum) => *sum,
+                        None => E::splat(0.0),
+                    };
+                    let four = E::sums([at(0), at(1), at(2), at(3)]);
+                    for (k, sum) in four.into_iter().enumerate().take(W - w) {
+                        let c = start + w + k;
+                        own[m][c] = work.x[m][first + c] - sum;
+                    }
+                }
             }
         }
-        let own = Self::triangle::<C, E>(transposed, &own);
-        work.x[first..first + C].copy_from_slice(&own[..C]);
+        for (own, x) in own.iter().zip(&mut work.x) {
+            let own = Self::triangle::<C, E>(transposed, own);
+            x[first..first + C].copy_from_slice(&own[..C]);
+        }
     }
+}
+
+/// The largest size of a number of a right-hand side.
+fn largest_of(b: &[Lane]) -> f64 {
+    let mut largest = 0.0_f64;
+    for lane in b {
+        for value in &lane[..3] {
+            largest = if value.abs() > largest {
+                value.abs()
+            } else {
+                largest
+            };
+        }
+    }
+    largest
+}
+
+/// Eight numbers, the first of which is number 8 `group`.
+#[inline(always)]
+fn eight_of<E: Eight>(numbers: &[f32], group: usize) -> E {
+    let (eights, _) = numbers.as_chunks::<8>();
+    E::load(&eights[group])
 }
 
 /// Rows of the nodes, one after another; zeros up to the next eight.
@@ -384,8 +460,12 @@ fn gather(rows: &[u32], x: &[f32], below: &mut [f32]) {
 /// The same code with 256-bit registers; no fused multiply-add, so the bits are the same.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,f16c")]
-fn solve_wide<S: Stored>(factor: &BlockCholesky, below: &[S], work: &mut BlockWork) {
-    factor.solve_in::<S, super::eight::WideEight>(below, work);
+fn solve_wide<S: Stored, const M: usize>(
+    factor: &BlockCholesky,
+    below: &[S],
+    work: &mut BlockWork<M>,
+) {
+    factor.solve_in::<S, super::eight::WideEight, M>(below, work);
 }
 
 #[cfg(test)]

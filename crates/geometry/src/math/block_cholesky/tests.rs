@@ -148,7 +148,7 @@ fn wide_registers_and_the_baseline_have_the_same_bits() {
         BlockCholesky::new(&sparse).unwrap(),
     ] {
         let mut wide = factor.work();
-        for (k, x) in wide.x.iter_mut().enumerate() {
+        for (k, x) in wide.x[0].iter_mut().enumerate() {
             *x = 1.0 / (1.0 + k as f32);
         }
         let mut plain = wide.clone();
@@ -156,15 +156,39 @@ fn wide_registers_and_the_baseline_have_the_same_bits() {
         #[allow(unsafe_code)]
         match &factor.below {
             Below::Single(below) => {
-                factor.solve_in::<_, BaselineEight>(below, &mut plain);
+                factor.solve_in::<_, BaselineEight, 1>(below, &mut plain);
                 unsafe { solve_wide(&factor, below, &mut wide) };
             }
             Below::Half(below) => {
-                factor.solve_in::<_, BaselineEight>(below, &mut plain);
+                factor.solve_in::<_, BaselineEight, 1>(below, &mut plain);
                 unsafe { solve_wide(&factor, below, &mut wide) };
             }
         }
-        let bits = |work: &BlockWork| work.x.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+        let bits = |work: &BlockWork| work.x[0].iter().map(|x| x.to_bits()).collect::<Vec<_>>();
         assert_eq!(bits(&plain), bits(&wide));
+    }
+}
+
+#[test]
+fn right_hand_sides_together_have_the_bits_of_each_alone() {
+    let mut random = Random(7);
+    for stiff in [0.5, 1e9] {
+        let (sparse, _) = lattice(5, stiff);
+        let factor = BlockCholesky::new(&sparse).unwrap();
+        let mut loads = [1.0, 1e-200, 0.0].map(|scale| random_load(sparse.n, scale, &mut random));
+        // A load on one node leaves most of the way down at rest.
+        loads[1]
+            .iter_mut()
+            .skip(1)
+            .for_each(|lane| *lane = [0.0; 4]);
+        let mut together = loads.clone();
+        factor.solve_all(
+            together.each_mut().map(|b| &mut b[..]),
+            &mut factor.work_of(),
+        );
+        for (mut alone, together) in loads.into_iter().zip(together) {
+            factor.solve(&mut alone, &mut factor.work());
+            assert_eq!(alone, together);
+        }
     }
 }

@@ -27,8 +27,7 @@ fn places(matter: &Matter) -> Vec<Point3> {
 pub(super) fn bounding(matter: &Matter) -> Result<Core, DeformableError> {
     let matrix = scalar_matrix(matter, &matter.law.edges(Weight::Bounding));
     let mut factor = Factor::Scalar(ScalarFactor::new(&matrix, &places(matter))?);
-    let mut work = Factor::work(std::iter::once(&factor), matter.unknown_count());
-    let surface = SurfaceBlocks::new(matter, |rows| factor.solve(rows, &mut work));
+    let surface = SurfaceBlocks::new(matter, &factor);
     let mut stiffest = vec![0.0; matter.unknown_count()];
     for (i, j, value) in &matrix.entries {
         if i == j {
@@ -115,8 +114,7 @@ fn core(
 ) -> Option<Core> {
     let factor = BlockCholesky::placed(matrix, &places(matter), most).ok()??;
     let factor = Factor::Blocks(factor);
-    let mut work = Factor::work(std::iter::once(&factor), matter.unknown_count());
-    let surface = SurfaceBlocks::new(matter, |rows| factor.solve(rows, &mut work));
+    let surface = SurfaceBlocks::new(matter, &factor);
     let growth = (matter.law.continuum.as_ref()).map(|law| law.growth_at(nodes));
     let cells = (matter.law.continuum.as_ref()).map(|_| Cells::at(matter, nodes, metrics));
     Some(Core {

@@ -4,6 +4,7 @@
 use super::{FindingKind, Found, short};
 use crate::body::Material;
 use crate::scene::model::material_of;
+use crate::scene::plan::slow_step;
 use crate::scene::spec::ModelSpec;
 use crate::scene::{BodyModel, Scene};
 use crate::solve::rows::Holder;
@@ -200,8 +201,11 @@ fn unequal_masses(scene: &Scene, found: &mut Found) {
 
 /// Steps that take longer than the ticks they have.
 fn slow_steps(scene: &Scene, found: &mut Found) {
-    for (b, body) in scene.plan().bodies.iter().enumerate() {
-        if let Some(slow) = body.deformable.as_ref().and_then(|plan| plan.too_slow()) {
+    for (b, body) in scene.bodies.iter().enumerate() {
+        let slow = body
+            .deforming()
+            .and_then(|body| slow_step(body, scene.dt_s));
+        if let Some(slow) = slow {
             found.limit(
                 format!("body[{b}].integrator"),
                 format!("body {}: {slow}", body.id),

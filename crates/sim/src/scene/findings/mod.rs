@@ -80,12 +80,15 @@ impl Scene {
     /// # Errors
     /// As [`Scene::build`], and what must not run.
     pub fn build_to_run(spec: &SceneSpec, directory: &Path) -> Result<Self, SceneError> {
-        let mut scene = Self::build(spec, directory)?;
+        Self::build(spec, directory)?.to_run()
+    }
+
+    pub(super) fn to_run(mut self) -> Result<Self, SceneError> {
         let (wrong, warnings): (Vec<_>, Vec<_>) =
-            (scene.findings().into_iter()).partition(|finding| finding.kind == FindingKind::Wrong);
+            (self.findings().into_iter()).partition(|finding| finding.kind == FindingKind::Wrong);
         if wrong.is_empty() {
-            scene.warnings = warnings;
-            return Ok(scene);
+            self.warnings = warnings;
+            return Ok(self);
         }
         let problem = |finding: Finding| Problem {
             path: finding.path,

@@ -82,16 +82,6 @@ fn riding(body: &Inputs<'_>, surface: &Surface) -> Option<(Reduced, f64)> {
     ))
 }
 
-/// With how many layers, that many or fewer, a continuum takes the cells inside a closed surface; `None` if it takes none.
-pub(in crate::scene) fn layers_of_continuum(surface: &Surface, most: usize) -> Option<usize> {
-    let shape = layout(surface, &surface.topology())?;
-    let points = surface.net().points();
-    (1..=most).rev().find(|&count| {
-        let grid = layers::rings_for_continuum(points, &shape, count);
-        crate::body::continuum::refused_cells(&grid) == 0
-    })
-}
-
 /// Cells of a body and the volume its surface encloses.
 fn cells(body: &Inputs<'_>, surface: &Surface) -> Option<(CellGrid, f64)> {
     let topology = surface.topology();

@@ -16,7 +16,6 @@ mod part;
 mod rigid;
 mod values;
 
-pub(super) use cells::layers_of_continuum;
 pub use names::ModelSpec;
 pub(super) use values::material_of;
 
@@ -48,7 +47,7 @@ pub(super) struct Inputs<'a> {
     /// The whole scene: nets are refined where its tools are.
     pub scene: &'a SceneSpec,
     /// Its tools, as far as nothing is wrong with them.
-    pub tools: &'a [Option<Tool>],
+    pub tools: &'a [Option<&'a Tool>],
     /// The `[[body]]`.
     pub spec: &'a BodySpec,
     /// Where it stands.
@@ -83,7 +82,7 @@ impl ModelSpec {
 /// Checks and builds a body; `at` is its table.
 pub(super) fn build(
     scene: &SceneSpec,
-    tools: &[Option<Tool>],
+    tools: &[Option<&Tool>],
     spec: &BodySpec,
     at: &At<'_>,
     dt_s: f64,

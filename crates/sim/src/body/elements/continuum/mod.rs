@@ -32,7 +32,7 @@ pub(in crate::body) use kernel::{areas_squared, inverses, squares_at_centre, str
 use palpate_geometry::math::lanes::{Baseline, Lanes};
 use palpate_geometry::math::{Lane, Point3, Vector3};
 use patch::Patch;
-use rest::RestCell;
+use rest::RestShape;
 pub(in crate::body) use unknown::Growth;
 
 /// Cells below this least scaled Jacobian are refused: their strains say little about the solid.
@@ -517,7 +517,7 @@ fn too_distorted(grid: &CellGrid, cell: &Cell) -> Option<f64> {
 /// Least scaled Jacobian and least share of the volume of a cell; positions that are not numbers give the worst.
 fn quality(grid: &CellGrid, cell: &Cell) -> [f64; 2] {
     let known = |x: f64| if x.is_nan() { f64::NEG_INFINITY } else { x };
-    let rest = RestCell::new(&grid.nodes, cell);
+    let rest = RestShape::new(&grid.nodes, cell);
     let jacobian = rest::scaled_jacobian(&grid.nodes, cell, rest.volume).unwrap_or(1.0);
     [known(jacobian), known(rest.evenness)]
 }

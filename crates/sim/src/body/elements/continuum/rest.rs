@@ -1,6 +1,6 @@
 //! A cell at rest: what its 2 × 2 × 2 Gauss points know, and how good it is.
 
-use crate::body::cells::Cell;
+use crate::body::cells::{Cell, shape_slopes};
 use palpate_geometry::math::{Matrix3, Point3, Vector3};
 
 /// Places of the two Gauss points on [−1, 1].
@@ -26,64 +26,85 @@ pub(super) struct RestCell {
     pub weights: [f64; 8],
     /// Volume, m³, negative if the corners wind the other way.
     pub volume: f64,
+}
+
+/// How a cell fills its volume at rest.
+pub(super) struct RestShape {
+    /// (Gauss point): J₀ = ∂X/∂ξ.
+    maps: [Matrix3; 8],
+    /// (Gauss point): its determinant, m³.
+    jacobians: [f64; 8],
+    /// Volume, m³, negative if the corners wind the other way.
+    pub volume: f64,
     /// Least share of the volume at a Gauss point over the mean share; zero or less if the map
     /// folds there.
     pub evenness: f64,
 }
 
+impl RestShape {
+    pub fn new(nodes: &[Point3], cell: &Cell) -> Self {
+        let corners = cell.map(|node| nodes[node as usize].coords);
+        let mut shape = Self {
+            maps: [Matrix3::zeros(); 8],
+            jacobians: [0.0; 8],
+            volume: 0.0,
+            evenness: 0.0,
+        };
+        for (gauss, map) in shape.maps.iter_mut().enumerate() {
+            for (corner, [x, y, z]) in corners.iter().zip(SLOPES[gauss]) {
+                *map += corner * Vector3::new(x, y, z).transpose();
+            }
+            shape.jacobians[gauss] = map.determinant();
+            shape.volume += shape.jacobians[gauss];
+        }
+        let share = shape.volume / 8.0;
+        if share != 0.0 {
+            let shares = shape.jacobians.iter().map(|j| j / share);
+            shape.evenness = shares.fold(f64::INFINITY, f64::min);
+        }
+        shape
+    }
+}
+
 impl RestCell {
     pub fn new(nodes: &[Point3], cell: &Cell) -> Self {
+        let shape = RestShape::new(nodes, cell);
         let mut rest = Self {
             gradients: [[Vector3::zeros(); 8]; 8],
             metrics: [Matrix3::zeros(); 8],
             weights: [0.0; 8],
-            volume: 0.0,
-            evenness: 0.0,
+            volume: shape.volume,
         };
-        let mut jacobians = [0.0; 8];
-        for gauss in 0..8 {
-            let slopes: [Vector3; 8] = std::array::from_fn(|corner| slope(gauss, corner));
-            let mut map = Matrix3::zeros();
-            for (corner, slope) in slopes.iter().enumerate() {
-                map += nodes[cell[corner] as usize].coords * slope.transpose();
-            }
-            jacobians[gauss] = map.determinant();
-            rest.volume += jacobians[gauss];
+        for (gauss, map) in shape.maps.iter().enumerate() {
             let Some(inverse) = map.try_inverse() else {
                 continue;
             };
-            rest.gradients[gauss] = slopes.map(|slope| inverse.transpose() * slope);
+            let gradient = |corner| inverse.transpose() * slope(gauss, corner);
+            rest.gradients[gauss] = std::array::from_fn(gradient);
             rest.metrics[gauss] = inverse * inverse.transpose();
-            rest.weights[gauss] = jacobians[gauss].abs();
-        }
-        let share = rest.volume / 8.0;
-        if share != 0.0 {
-            rest.evenness = jacobians
-                .iter()
-                .map(|j| j / share)
-                .fold(f64::INFINITY, f64::min);
+            rest.weights[gauss] = shape.jacobians[gauss].abs();
         }
         rest
     }
 }
 
+/// (Gauss point, corner): ∂N/∂ξ.
+const SLOPES: [[[f64; 3]; 8]; 8] = shape_slopes(
+    [
+        [0.5 * (1.0 + GAUSS), 0.5 * (1.0 - GAUSS)],
+        [0.5 * (1.0 - GAUSS), 0.5 * (1.0 + GAUSS)],
+    ],
+    0.5,
+);
+
 /// ∂N/∂ξ of a corner at a Gauss point.
 pub(super) fn slope(gauss: usize, corner: usize) -> Vector3 {
-    let at = |bit: usize| {
-        let t = if gauss & bit != 0 { GAUSS } else { -GAUSS };
-        if corner & bit != 0 {
-            (0.5 * (1.0 + t), 0.5)
-        } else {
-            (0.5 * (1.0 - t), -0.5)
-        }
-    };
-    let ((fa, da), (fb, db), (fc, dc)) = (at(4), at(2), at(1));
-    Vector3::new(da * fb * fc, fa * db * fc, fa * fb * dc)
+    Vector3::from(SLOPES[gauss][corner])
 }
 
 /// Least scaled Jacobian, det(e₁, e₂, e₃) / |e₁||e₂||e₃|, over the corners whose three edges lead
 /// to three other nodes; corners where edges have collapsed have no such number and are left to
-/// [`RestCell::evenness`]. Positive for a cell that does not fold whichever way it winds. `None` if
+/// [`RestShape::evenness`]. Positive for a cell that does not fold whichever way it winds. `None` if
 /// every corner has collapsed.
 pub(super) fn scaled_jacobian(nodes: &[Point3], cell: &Cell, volume: f64) -> Option<f64> {
     let mut least: Option<f64> = None;
