@@ -1,0 +1,156 @@
+//! Pieces of sheets, against the cut's own measures, the plane and the surface that was cut.
+
+use super::*;
+use crate::cut::{CutError, CutPlane, cut_by_plane, cut_sheet_by_plane};
+use crate::math::{Random, Vector3};
+use crate::surface::{ClosestSolver, ControlNet, builtin};
+use std::f64::consts::TAU;
+
+/// A tube about z, open at both ends.
+fn tube() -> Surface {
+    let (around, along) = (16, 10);
+    let points = (0..around).flat_map(|i| {
+        let (sin, cos) = (TAU * i as f64 / around as f64).sin_cos();
+        (0..along).map(move |j| {
+            let z = 0.12 * j as f64 / (along - 1) as f64;
+            let r = 0.02 + 0.004 * (40.0 * z).sin();
+            Point3::new(r * cos, r * sin, z)
+        })
+    });
+    let net = ControlNet::new(around, along, points.collect()).unwrap();
+    let knots_u = crate::basis::KnotVector::periodic_uniform(3, around).unwrap();
+    let knots_v = crate::basis::KnotVector::clamped_uniform(3, along).unwrap();
+    Surface::new(knots_u, knots_v, net, None).unwrap()
+}
+
+fn spacing_m(surface: &Surface) -> f64 {
+    let count = surface.net().points().len() as f64;
+    (surface.area() / count).sqrt()
+}
+
+fn size(piece: &crate::cut::Piece) -> f64 {
+    piece.skin_area_m2.sqrt()
+}
+
+/// Where the lines of the surface's border are farthest from the plane or, where that is nearer, from the border of the
+/// surface that was cut, m.
+fn border_off_m(made: &Surface, cut: &Cut) -> f64 {
+    let topology = made.topology();
+    let mut lines: Vec<Box<dyn Fn(f64) -> [f64; 2]>> = Vec::new();
+    for d in 0..2 {
+        for end in 0..2 {
+            if !topology.wraps(d) && !topology.poles[d][end] {
+                let end = end as f64;
+                lines.push(match d {
+                    0 => Box::new(move |t| [end, t]),
+                    _ => Box::new(move |t| [t, end]),
+                });
+            }
+        }
+    }
+    assert!(!lines.is_empty());
+    let mut solver = ClosestSolver::new(&cut.surface);
+    let own = cut.surface.topology();
+    let mut most = 0.0_f64;
+    for line in &lines {
+        for k in 0..=60 {
+            let [u, v] = line(f64::from(k) / 60.0);
+            let point = made.point(u, v);
+            let height = cut.plane.height(&point).abs();
+            let foot = solver.closest(&cut.surface, &point);
+            let near = [foot.u, foot.v];
+            let (mut best, knots) = (height, [cut.surface.knots_u(), cut.surface.knots_v()]);
+            for d in (0..2).filter(|&d| !own.wraps(d)) {
+                let (start, end) = knots[d].domain();
+                for (side, value) in [start, end].into_iter().enumerate() {
+                    if !own.poles[d][side] {
+                        let mut at = near;
+                        at[d] = value;
+                        best = best.min((cut.surface.point(at[0], at[1]) - point).norm());
+                    }
+                }
+            }
+            most = most.max(best);
+        }
+    }
+    most
+}
+
+/// Fits all pieces; the share of the size that each is off.
+fn fitted(surface: &Surface, plane: &CutPlane, what: &str) -> Vec<(f64, f64)> {
+    let cut = match cut_sheet_by_plane(surface, plane) {
+        Ok(cut) => cut,
+        Err(CutError::Misses { .. }) => return Vec::new(),
+        Err(error) => panic!("{what}: {error}"),
+    };
+    let spec = SheetSpec {
+        spacing_m: spacing_m(surface),
+    };
+    let mut offs = Vec::new();
+    for (k, piece) in cut.pieces.iter().enumerate() {
+        let what = format!("{what}, piece {k} of {}", cut.pieces.len());
+        let made = match cut.sheet(k, surface, &spec) {
+            Ok(made) => made,
+            Err(PieceSkinError::Rims { .. } | PieceSkinError::Handles { .. }) => continue,
+            Err(error) => panic!("{what}: {error}"),
+        };
+        let net = made.surface.net();
+        let size = size(piece);
+        let border = border_off_m(&made.surface, &cut) / size;
+        let area = made.surface.area() / piece.skin_area_m2 - 1.0;
+        let poles = made.surface.topology().poles;
+        println!(
+            "{what}: {} × {} {poles:?}, off {:.1e}, border {border:.1e}, area {area:.1e}",
+            net.rows(),
+            net.columns(),
+            made.off_m / size
+        );
+        assert!(!made.surface.topology().is_closed(), "{what}");
+        assert_eq!(
+            made.surface.clone().with_exact_seams(),
+            made.surface,
+            "{what}"
+        );
+        offs.push((made.off_m / size, border));
+    }
+    offs
+}
+
+fn through(surface: &Surface, random: &mut Random) -> CutPlane {
+    let (a, b) = (surface.knots_u().domain(), surface.knots_v().domain());
+    let point = surface.point(random.float(a.0, a.1), random.float(b.0, b.1));
+    CutPlane::through(&point, &random.vector()).unwrap()
+}
+
+#[test]
+fn random_planes_through_sheets_give_sheets_within_a_thousandth() {
+    let mut random = Random(91);
+    let bodies = [
+        (
+            "ball",
+            builtin("sphere", Some([16, 9]), Some(0.05)).unwrap(),
+        ),
+        ("drop", builtin("teardrop", Some([12, 12]), None).unwrap()),
+        ("square", builtin("sheet", None, None).unwrap()),
+        ("tube", tube()),
+    ];
+    for (what, body) in &bodies {
+        let mut offs = Vec::new();
+        for k in 0..10 {
+            let plane = through(body, &mut random);
+            offs.extend(fitted(body, &plane, &format!("{what} {k}")));
+        }
+        let mut off: Vec<f64> = offs.iter().map(|off| off.0).collect();
+        let mut border: Vec<f64> = offs.iter().map(|off| off.1).collect();
+        off.sort_by(f64::total_cmp);
+        border.sort_by(f64::total_cmp);
+        let (n, most) = (off.len(), off.len() - 1);
+        println!(
+            "{what}: {n} pieces, off {:.1e} (median), {:.1e} (all), borders {:.1e} {:.1e}",
+            off[n / 2],
+            off[most],
+            border[n / 2],
+            border[most]
+        );
+    }
+}
