@@ -8,7 +8,7 @@ use palpate_geometry::cut::{
 use palpate_geometry::surface::Surface;
 
 /// A surface that misses its piece by more than this, relative to the piece's size, is made once more with a finer net.
-const FAR: f64 = 2e-3;
+const FAR: f64 = 1e-3;
 /// How many times closer together the control points of a finer net are, and how many it has at most.
 const FINER: f64 = 1.5;
 const MOST: usize = 900;
@@ -51,14 +51,19 @@ impl CutMembrane {
         rest: &Surface,
     ) -> Result<PieceSkin, PieceSkinError> {
         let made = |spacing_m: f64| cut.sheet(piece, rest, &SheetSpec { spacing_m });
-        let skin = made(self.spacing_m)?;
-        if skin.off_m <= FAR * libm::sqrt(cut.pieces[piece].skin_area_m2) {
-            return Ok(skin);
+        let far_m = FAR * libm::sqrt(cut.pieces[piece].skin_area_m2);
+        let skin = match made(self.spacing_m) {
+            Ok(skin) if skin.off_m <= far_m => return Ok(skin),
+            Err(error) if !matches!(error, PieceSkinError::Folded { .. }) => return Err(error),
+            skin => skin,
+        };
+        match (made(self.spacing_m / FINER), skin) {
+            (Ok(finer), Ok(skin)) if finer.off_m < skin.off_m && points(&finer) <= MOST => {
+                Ok(finer)
+            }
+            (finer, Err(_)) => finer,
+            (_, skin) => skin,
         }
-        Ok(match made(self.spacing_m / FINER) {
-            Ok(finer) if finer.off_m < skin.off_m && points(&finer) <= MOST => finer,
-            _ => skin,
-        })
     }
 
     /// The volume that counts for the mass of a surface at rest, m³.

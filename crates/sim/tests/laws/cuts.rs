@@ -394,7 +394,7 @@ fn a_membrane_hangs_on_where_it_is_fixed() {
     let lost = done.lost_m3 / (0.06 * 0.06 * 1e-3);
     assert!((lost / (kerf_m / 0.06) - 1.0).abs() < 0.05, "{lost}");
     let left = motion(&world).0 / whole;
-    assert!((left + lost - 1.0).abs() < 1e-9, "{left} {lost}");
+    assert!((left + lost - 1.0).abs() < 1e-4, "{left} {lost}");
     rest(&mut world, 100);
     let [loose, hung] = [0, 1].map(|k| world.scene.body_index(&done.pieces[k].id).unwrap());
     assert!(world.scene.spec.bodies[loose].fixed.is_empty());

@@ -31,6 +31,15 @@ pub enum PieceSkinError {
         /// How many.
         rims: usize,
     },
+    /// It does not spread over a net.
+    #[error(
+        "the surface of the piece would have {:.1} % more or less area than it, as where it folds: move the plane, or refine \
+         the net of what is cut", 100.0 * more
+    )]
+    Folded {
+        /// By how much more, of the area.
+        more: f64,
+    },
     /// Control points nowhere, or too many of them.
     #[error(
         "control points {spacing_m:e} m apart are not possible: it must be above 0, and {MOST_POINTS} points at most cover the \

@@ -11,7 +11,7 @@ pub struct PieceSkin {
     /// The farthest that a sample of the piece's boundary at rest is from the surface, m; samples are everywhere, also between
     /// those that were fitted.
     pub off_m: f64,
-    /// How many of the rims are creases of the surface.
+    /// How many of the rims are creases of the surface; 0 of a sheet.
     pub creases: usize,
     /// Rims of the piece, and creases that the surface had and that no rim meets, as those of a former cut.
     pub rims: usize,

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 /// A rim turns by more than this at a corner, rad.
 const SHARP: f64 = 0.6;
 /// Of a rim's length: corners nearer to each other are one.
-const LEAST_SIDE: f64 = 0.03;
+const LEAST_SIDE: f64 = 0.008;
 
 /// All rims of a sheet.
 pub(super) fn rims(fine: &Fine, net: &Net) -> Result<Vec<Rim>, PieceSkinError> {
@@ -56,29 +56,42 @@ pub(super) fn rims(fine: &Fine, net: &Net) -> Result<Vec<Rim>, PieceSkinError> {
 
 /// A sharp corner of a rim.
 #[derive(Clone, Copy)]
-struct Turn {
+pub(super) struct Turn {
     /// In the walk.
     place: usize,
+    /// Of the triangles.
+    pub corner: u32,
     /// From where the walk begins, m.
     passed_m: f64,
     /// By how much it turns towards the sheet, rad.
     angle: f64,
 }
 
-/// The places in a walk that are the corners of a rectangle: the sharpest, and middles of the longest sides where there are
-/// fewer than four. `None` where the rim has none.
-pub(super) fn four_corners(fine: &Fine, rim: &Rim) -> Option<[usize; 4]> {
-    let passed = passed_m(fine, rim);
-    let mut turns = sharp(fine, rim, &passed);
+/// The sharp corners of a rim, in the order of the walk.
+pub(super) fn sharp_corners(fine: &Fine, rim: &Rim) -> Vec<Turn> {
+    let mut turns = sharp(fine, rim, &passed_m(fine, rim));
     while let Some(drop) = crowded(&turns, rim.length_m) {
         turns.remove(drop);
     }
-    if turns.is_empty() {
-        return None;
-    }
+    turns
+}
+
+/// Some of them turn towards the sheet, as the corners of a rectangle do.
+pub(super) fn has_corners(turns: &[Turn]) -> bool {
+    turns.iter().any(|turn| turn.angle > 0.0)
+}
+
+/// The places in a walk that are the corners of a rectangle: the sharpest, and middles of the longest sides where there are
+/// fewer than four. `None` of a rim without so many places.
+pub(super) fn four_corners(fine: &Fine, rim: &Rim, turns: &[Turn]) -> Option<[usize; 4]> {
+    let passed = passed_m(fine, rim);
+    let mut turns: Vec<Turn> = turns.to_vec();
     turns.sort_by(|a, b| b.angle.total_cmp(&a.angle).then(a.place.cmp(&b.place)));
-    turns.truncate(4);
-    let mut places: Vec<usize> = turns.iter().map(|turn| turn.place).collect();
+    let convex = turns.iter().filter(|turn| turn.angle > 0.0).take(4);
+    let mut places: Vec<usize> = convex.map(|turn| turn.place).collect();
+    if places.is_empty() {
+        places.push(turns.last().map_or(0, |turn| turn.place));
+    }
     places.sort_unstable();
     while places.len() < 4 {
         let way = |k: usize| {
@@ -99,6 +112,14 @@ pub(super) fn four_corners(fine: &Fine, rim: &Rim) -> Option<[usize; 4]> {
         places.sort_unstable();
     }
     Some([places[0], places[1], places[2], places[3]])
+}
+
+/// Begins the walk at the first of its sharp corners.
+pub(super) fn begin_at(rim: &mut Rim, turns: &[Turn]) {
+    if let Some(first) = turns.first() {
+        rim.corners.rotate_left(first.place);
+        rim.edges.rotate_left(first.place);
+    }
 }
 
 /// Of each corner of a walk from where it begins, m.
@@ -122,10 +143,11 @@ fn sharp(fine: &Fine, rim: &Rim, passed: &[f64]) -> Vec<Turn> {
     }
     let turns = rim.corners.iter().enumerate().map(|(place, &corner)| Turn {
         place,
+        corner,
         passed_m: passed[place],
         angle: PI - inside[corner as usize],
     });
-    turns.filter(|turn| turn.angle > SHARP).collect()
+    turns.filter(|turn| turn.angle.abs() > SHARP).collect()
 }
 
 /// The blunter of two corners, in the order of the walk, that are too near to each other.
@@ -138,7 +160,7 @@ fn crowded(turns: &[Turn], length_m: f64) -> Option<usize> {
     };
     let first = (0..count).filter(|_| count > 1).find(near)?;
     let second = (first + 1) % count;
-    Some(match turns[first].angle < turns[second].angle {
+    Some(match turns[first].angle.abs() < turns[second].angle.abs() {
         true => first,
         false => second,
     })

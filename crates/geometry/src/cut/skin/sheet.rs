@@ -11,7 +11,7 @@ use super::fine::{Corner, EDGES, Fine, Sheets, finite};
 use super::fit::{MOST_POINTS, farther};
 use super::harmonic::Harmonic;
 use super::made::PieceSkin;
-use super::outline::{four_corners, rims};
+use super::outline::{Turn, begin_at, four_corners, has_corners, rims, sharp_corners};
 use super::patch::{self, Line, four_sides, lengths_m};
 use super::sections::{Net, Rim};
 use super::sheet_fit::SheetLayout;
@@ -20,8 +20,16 @@ use crate::math::Point3;
 use crate::surface::Surface;
 
 /// Control points at least, around and from the rim on, or along each side of a square.
-const LEAST_ROUND: [usize; 2] = [12, 8];
+const LEAST_ROUND: [usize; 2] = [12, 10];
 const LEAST_SQUARE: [usize; 2] = [8; 2];
+/// Of the size and of the area: a surface that is farther off is made in the other way too, and the better one is taken.
+const GOOD: f64 = 5e-3;
+/// Of the area: a surface that has more or less of it than by this is folded.
+const MOST_MORE: f64 = 0.02;
+/// Squares of its rim's length by the area below which a sheet is a bag with a narrow opening, and no square.
+const NARROW: f64 = 3.5;
+/// A square that bulges is so much longer than its sides at most.
+const MOST_BULGE: f64 = 1.5;
 /// A disc that bulges is wider than in the mean of its lines around.
 const BULGE: f64 = 1.5;
 
@@ -38,6 +46,8 @@ struct Plan {
     shape: Shape,
     /// Along u and along v, m.
     lengths_m: [f64; 2],
+    /// In u and in v: where rims have sharp corners that are not those of a square.
+    breaks: [Vec<f64>; 2],
 }
 
 enum Shape {
@@ -56,7 +66,8 @@ impl Cut {
     /// surface of four sides, whose corners are the sharpest; without, a disc about a pole; with two rims, a ring.
     ///
     /// # Errors
-    /// A cut into bodies with caps; a piece with more than two rims, with a hole through it or that touches itself; a spacing
+    /// A cut into bodies with caps; a piece with more than two rims, with a hole through it or that touches itself; one that
+    /// bulges too much behind a narrow rim; a spacing
     /// that is not finite and above 0, or that takes too many points; a surface at rest with other knots.
     ///
     /// # Examples
@@ -96,28 +107,36 @@ impl Cut {
         let rims = rims(&fine, &net)?;
         let count = rims.len();
         check_shape(&fine, &net, count)?;
-        let plan = Plan::new(
-            &fine,
-            &net,
-            rims,
-            &|corner| match fine.corners[corner as usize].origin {
+        let mut best: Result<(f64, PieceSkin), _> = Err(PieceSkinError::Pinched);
+        for way in ways(&fine, &rims) {
+            let is_tip = |corner: u32| match fine.corners[corner as usize].origin {
                 Origin::Skin { u, v } => sheets.is_tip([u, v]),
                 Origin::Cap => false,
-            },
-        )?;
-        let layout = SheetLayout::new(plan.counts(spacing_m)?, plan.is_round())?;
-        let samples = plan.samples(&fine, &mut sheets, &layout);
-        finite(&samples)?;
-        let samples: Vec<Point3> = samples.into_iter().map(|sample| sample.rest).collect();
-        let surface = layout.fitted(&samples, matches!(plan.shape, Shape::Disc(_)))?;
-        let off_m = (plan.chart.corners.iter()).fold(0.0, |most, &(corner, at)| {
-            farther(&surface, at, &fine.corners[corner as usize].rest, most)
-        });
+            };
+            let plan = Plan::new(&fine, &net, &rims, (way, &is_tip));
+            let made = plan.and_then(|plan| plan.made(&fine, &mut sheets, spacing_m));
+            let cost = |made: &PieceSkin| {
+                let area = made.surface.area() / fine.area_m2() - 1.0;
+                area.abs() + made.off_m / root_m
+            };
+            best = match (made.map(|made| (cost(&made), made)), best) {
+                (Ok(made), Ok(known)) if known.0 <= made.0 => Ok(known),
+                (Ok(made), _) => Ok(made),
+                (Err(_), Ok(known)) => Ok(known),
+                (Err(error), Err(_)) => Err(error),
+            };
+            if best.as_ref().is_ok_and(|(cost, _)| *cost <= GOOD) {
+                break;
+            }
+        }
+        let (_, skin) = best?;
+        let more = skin.surface.area() / fine.area_m2() - 1.0;
+        if !(more.abs() <= MOST_MORE) {
+            return Err(PieceSkinError::Folded { more });
+        }
         Ok(PieceSkin {
-            surface,
-            off_m,
-            creases: 0,
             rims: count,
+            ..skin
         })
     }
 }
@@ -148,63 +167,157 @@ impl Line {
     }
 }
 
+/// What a sheet is laid out as.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Way {
+    Square,
+    Disc,
+    Ring,
+}
+
+/// Those that are possible, the one that suits it first.
+fn ways(fine: &Fine, rims: &[Rim]) -> &'static [Way] {
+    let [rim] = rims else { return &[Way::Ring] };
+    let narrow = rim.length_m * rim.length_m < NARROW * fine.area_m2();
+    match has_corners(&sharp_corners(fine, rim)) {
+        _ if narrow => &[Way::Disc],
+        true => &[Way::Square, Way::Disc],
+        false => &[Way::Disc, Way::Square],
+    }
+}
+
 impl Plan {
     fn new(
         fine: &Fine,
         net: &Net,
-        rims: Vec<Rim>,
-        is_tip: &dyn Fn(u32) -> bool,
+        rims: &[Rim],
+        (way, is_tip): (&Way, &dyn Fn(u32) -> bool),
     ) -> Result<Self, PieceSkinError> {
-        let area_m2 = fine.area_m2();
-        let mut rims = rims.into_iter();
-        let first = rims.next().ok_or(PieceSkinError::Pinched)?;
-        if let Some(second) = rims.next() {
-            return Self::ring(fine, net, [first, second]);
+        match (way, rims) {
+            (Way::Square, [rim, ..]) => Self::square(fine, net, rim),
+            (Way::Disc, [rim, ..]) => Self::disc(fine, net, rim.clone(), is_tip),
+            (Way::Ring, [near, far, ..]) => Self::ring(fine, net, [near.clone(), far.clone()]),
+            _ => Err(PieceSkinError::Pinched),
         }
-        if let Some(places) = four_corners(fine, &first) {
-            let sides = four_sides(fine, &first, places);
-            let [along, across] = lengths_m(fine, &sides);
-            return Ok(Self {
-                chart: patch::chart(fine, net, &first, &sides)?,
-                shape: Shape::Square(sides),
-                lengths_m: [along.max(area_m2 / across), across.max(area_m2 / along)],
-            });
-        }
-        let of = vec![0; fine.triangles.len()];
-        let maker = round(fine, net, &of, Kind::Last);
-        let harmonic = Harmonic::new(fine, net, &maker.triangles, &[&first.corners]);
-        let harmonic = harmonic.ok_or(PieceSkinError::Pinched)?;
-        let turns = RimTurns::new(fine, &first, 0.0);
-        let chart = maker.disc(&harmonic, &first, &turns, is_tip)?;
-        let wide_m = BULGE * area_m2 / chart.length_m;
-        Ok(Self {
-            lengths_m: [first.length_m.max(wide_m), chart.length_m],
-            shape: Shape::Disc(Line::round(&first, turns)),
-            chart,
-        })
     }
 
-    fn ring(fine: &Fine, net: &Net, [near, mut far]: [Rim; 2]) -> Result<Self, PieceSkinError> {
+    fn of(chart: Chart, shape: Shape, lengths_m: [f64; 2]) -> Self {
+        Self {
+            chart,
+            shape,
+            lengths_m,
+            breaks: [Vec::new(), Vec::new()],
+        }
+    }
+
+    fn square(fine: &Fine, net: &Net, rim: &Rim) -> Result<Self, PieceSkinError> {
+        let turns = sharp_corners(fine, rim);
+        let places = four_corners(fine, rim, &turns).ok_or(PieceSkinError::Pinched)?;
+        let sides = four_sides(fine, rim, places);
+        let [along, across] = lengths_m(fine, &sides);
+        let area_m2 = fine.area_m2();
+        let chart = patch::chart(fine, net, rim, &sides)?;
+        let long = |own: f64, other: f64| (area_m2 / other).clamp(own, MOST_BULGE * own);
+        let lengths = [long(along, across), long(across, along)];
+        Ok(Self::of(chart, Shape::Square(sides), lengths).with_breaks(&turns))
+    }
+
+    fn disc(
+        fine: &Fine,
+        net: &Net,
+        mut rim: Rim,
+        is_tip: &dyn Fn(u32) -> bool,
+    ) -> Result<Self, PieceSkinError> {
+        let turns = sharp_corners(fine, &rim);
+        begin_at(&mut rim, &turns);
+        let of = vec![0; fine.triangles.len()];
+        let maker = round(fine, net, &of, Kind::Last);
+        let harmonic = Harmonic::new(fine, net, &maker.triangles, &[&rim.corners]);
+        let harmonic = harmonic.ok_or(PieceSkinError::Pinched)?;
+        let longitudes = RimTurns::new(fine, &rim, 0.0);
+        let chart = maker.disc(&harmonic, &rim, &longitudes, is_tip)?;
+        let wide_m = BULGE * fine.area_m2() / chart.length_m;
+        let lengths = [rim.length_m.max(wide_m), chart.length_m];
+        let shape = Shape::Disc(Line::round(&rim, longitudes));
+        Ok(Self::of(chart, shape, lengths).with_breaks(&turns))
+    }
+
+    fn ring(fine: &Fine, net: &Net, rims: [Rim; 2]) -> Result<Self, PieceSkinError> {
+        let turns = rims.each_ref().map(|rim| sharp_corners(fine, rim));
+        let ([mut near, mut far], [first, second]) = (rims, turns);
+        let mut all = [first.clone(), second.clone()].concat();
+        // What goes round begins at an edge, if it has any.
+        if first.is_empty() && !second.is_empty() {
+            std::mem::swap(&mut near, &mut far);
+            all = second;
+        }
+        begin_at(&mut near, &all);
         let of = vec![0; fine.triangles.len()];
         let maker = round(fine, net, &of, Kind::Ring);
-        let rims: [&[u32]; 2] = [&near.corners, &far.corners];
-        let harmonic = Harmonic::new(fine, net, &maker.triangles, &rims);
+        let corners: [&[u32]; 2] = [&near.corners, &far.corners];
+        let harmonic = Harmonic::new(fine, net, &maker.triangles, &corners);
         let harmonic = harmonic.ok_or(PieceSkinError::Pinched)?;
         // The sheet is on the right of the far one.
         far.turn();
         let (far_edge, steps) = maker.way_across(&near, &far)?;
         far.end_with(far_edge);
-        let turns = RimTurns::new(fine, &near, 0.0);
-        let (chart, offset) = maker.ring(&harmonic, [&near, &far], &turns, &steps)?;
+        let longitudes = RimTurns::new(fine, &near, 0.0);
+        let (chart, offset) = maker.ring(&harmonic, [&near, &far], &longitudes, &steps)?;
         let mean_m = fine.area_m2() / chart.length_m;
-        let far_turns = RimTurns::new(fine, &far, offset);
-        Ok(Self {
-            lengths_m: [
-                mean_m.max(0.5 * (near.length_m + far.length_m)),
-                chart.length_m,
-            ],
-            shape: Shape::Ring([Line::round(&near, turns), Line::round(&far, far_turns)]),
-            chart,
+        let rims_m = 0.5 * (near.length_m + far.length_m);
+        let lengths = [mean_m.max(rims_m), chart.length_m];
+        let far_longitudes = RimTurns::new(fine, &far, offset);
+        let shape = Shape::Ring([
+            Line::round(&near, longitudes),
+            Line::round(&far, far_longitudes),
+        ]);
+        Ok(Self::of(chart, shape, lengths).with_breaks(&all))
+    }
+
+    /// Where rims have these corners, but for those of a square.
+    fn with_breaks(mut self, turns: &[Turn]) -> Self {
+        let round = self.is_round();
+        let mut breaks = [Vec::new(), Vec::new()];
+        for side in 0..4 {
+            let Some(line) = self.line(side) else {
+                continue;
+            };
+            for turn in turns {
+                let place = line
+                    .corners
+                    .iter()
+                    .position(|&corner| corner == turn.corner);
+                match place.map(|k| line.at[k]) {
+                    Some(at) if round => breaks[0].push(at - at.floor()),
+                    Some(at) if at > 0.0 && at < 1.0 => breaks[side % 2].push(at),
+                    _ => {}
+                }
+            }
+        }
+        self.breaks = breaks;
+        self
+    }
+
+    /// The surface, with control points about so far apart.
+    fn made(
+        &self,
+        fine: &Fine,
+        sheets: &mut Sheets<'_>,
+        spacing_m: f64,
+    ) -> Result<PieceSkin, PieceSkinError> {
+        let layout = SheetLayout::new(self.counts(spacing_m)?, self.is_round(), &self.breaks)?;
+        let samples = self.samples(fine, sheets, &layout);
+        finite(&samples)?;
+        let samples: Vec<Point3> = samples.into_iter().map(|sample| sample.rest).collect();
+        let surface = layout.fitted(&samples, matches!(self.shape, Shape::Disc(_)))?;
+        let off_m = (self.chart.corners.iter()).fold(0.0, |most, &(corner, at)| {
+            farther(&surface, at, &fine.corners[corner as usize].rest, most)
+        });
+        Ok(PieceSkin {
+            surface,
+            off_m,
+            creases: 0,
+            rims: 0,
         })
     }
 

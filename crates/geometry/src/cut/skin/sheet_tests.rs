@@ -91,8 +91,18 @@ fn fitted(surface: &Surface, plane: &CutPlane, what: &str) -> Vec<(f64, f64)> {
         let what = format!("{what}, piece {k} of {}", cut.pieces.len());
         let made = match cut.sheet(k, surface, &spec) {
             Ok(made) => made,
-            Err(PieceSkinError::Rims { .. } | PieceSkinError::Handles { .. }) => continue,
+            Err(reason @ PieceSkinError::Folded { .. }) => {
+                println!("{what}: {reason}");
+                continue;
+            }
             Err(error) => panic!("{what}: {error}"),
+        };
+        let finer = SheetSpec {
+            spacing_m: spec.spacing_m / 1.5,
+        };
+        let made = match made.off_m > 1e-3 * size(piece) {
+            true => cut.sheet(k, surface, &finer).unwrap_or(made),
+            false => made,
         };
         let net = made.surface.net();
         let size = size(piece);
@@ -134,6 +144,7 @@ fn random_planes_through_sheets_give_sheets_within_a_thousandth() {
         ("square", builtin("sheet", None, None).unwrap()),
         ("tube", tube()),
     ];
+    let mut good = Vec::new();
     for (what, body) in &bodies {
         let mut offs = Vec::new();
         for k in 0..10 {
@@ -145,6 +156,7 @@ fn random_planes_through_sheets_give_sheets_within_a_thousandth() {
         off.sort_by(f64::total_cmp);
         border.sort_by(f64::total_cmp);
         let (n, most) = (off.len(), off.len() - 1);
+        assert!(n >= 18, "{what}: {n} pieces");
         println!(
             "{what}: {n} pieces, off {:.1e} (median), {:.1e} (all), borders {:.1e} {:.1e}",
             off[n / 2],
@@ -152,5 +164,67 @@ fn random_planes_through_sheets_give_sheets_within_a_thousandth() {
             border[n / 2],
             border[most]
         );
+        // A drop's ends have curvature that a net of its own fineness shows less well.
+        let median = if *what == "drop" { 3e-3 } else { 1e-3 };
+        good.push((off[n / 2] < median && off[3 * n / 4] < 1e-2, *what));
+        good.push((border[n / 2] < 1e-4 && border[most] < 1e-2, *what));
     }
+    assert!(good.iter().all(|one| one.0), "{good:?}");
+}
+
+// Of a square every piece is exact, whatever its corners: triangles, quadrangles and pentagons.
+#[test]
+fn a_flat_square_s_pieces_are_polygons() {
+    let square = builtin("sheet", Some([10, 10]), Some(0.1)).unwrap();
+    for (normal, offset_m, what) in [
+        ([1.0, 0.0, 0.0], 0.01, "straight"),
+        ([1.0, 0.3, 0.0], 0.01, "oblique"),
+        ([1.0, 1.2, 0.0], 0.04, "a corner"),
+    ] {
+        let normal = Vector3::from(normal).normalize();
+        let cut = cut_sheet_by_plane(&square, &CutPlane { normal, offset_m }).unwrap();
+        for (k, piece) in cut.pieces.iter().enumerate() {
+            let made = cut
+                .sheet(k, &square, &SheetSpec { spacing_m: 0.01 })
+                .unwrap();
+            let what = format!("{what}, piece {k}");
+            assert!(made.off_m < 1e-9 * size(piece), "{what}: {:e}", made.off_m);
+            let area = made.surface.area() / piece.skin_area_m2 - 1.0;
+            assert!(area.abs() < 1e-9, "{what}: {area:e}");
+            assert!(border_off_m(&made.surface, &cut) < 1e-9, "{what}");
+            // Its sides face as those of the square do.
+            assert!(made.surface.normal(0.3, 0.4).z > 0.999, "{what}");
+        }
+    }
+}
+
+#[test]
+fn what_has_no_such_sheet_is_refused() {
+    let ring = builtin("torus", None, None).unwrap();
+    let spec = SheetSpec { spacing_m: 0.01 };
+    let plane = |normal: Vector3, offset_m: f64| CutPlane { normal, offset_m };
+    let along = cut_sheet_by_plane(&ring, &plane(Vector3::z(), 0.0)).unwrap();
+    assert_eq!(along.sheet(0, &ring, &spec).unwrap().rims, 2);
+    let edge = cut_sheet_by_plane(&ring, &plane(Vector3::x(), 0.045)).unwrap();
+    let refused = edge.sheet(1, &ring, &spec).unwrap_err();
+    assert_eq!(refused, PieceSkinError::Handles { handles: 1 });
+    let missing = edge.sheet(2, &ring, &spec).unwrap_err();
+    assert_eq!(missing, PieceSkinError::Piece { piece: 2, count: 2 });
+    let solid = cut_by_plane(&ring, &plane(Vector3::x(), 0.0)).unwrap();
+    assert_eq!(
+        solid.sheet(0, &ring, &spec).unwrap_err(),
+        PieceSkinError::Solid
+    );
+    for spacing_m in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-9] {
+        let refused = edge.sheet(0, &ring, &SheetSpec { spacing_m }).unwrap_err();
+        assert!(
+            matches!(refused, PieceSkinError::Spacing { .. }),
+            "{spacing_m}"
+        );
+    }
+    let ball = builtin("sphere", None, None).unwrap();
+    assert_eq!(
+        edge.sheet(0, &ball, &spec).unwrap_err(),
+        PieceSkinError::Rest
+    );
 }
