@@ -108,7 +108,7 @@ pub(super) fn carried(
         return None;
     }
     let [us, vs] = [part.knots_u(), part.knots_v()].map(samples);
-    let [along_u, along_v] = [(part.knots_u(), &us), (part.knots_v(), &vs)].map(shares);
+    let [along_u, along_v] = [(part.knots_u(), &us), (part.knots_v(), &vs)].map(samples_of_controls);
     let mut solver = ClosestSolver::new(whole);
     let mut at = Vec::with_capacity(us.len() * vs.len());
     for &u in &us {
@@ -160,7 +160,7 @@ fn samples(knots: &KnotVector) -> Vec<f64> {
 }
 
 /// For each control point of a direction, the samples that it is made of.
-fn shares((knots, samples): (&KnotVector, &Vec<f64>)) -> Vec<Vec<(usize, f64)>> {
+fn samples_of_controls((knots, samples): (&KnotVector, &Vec<f64>)) -> Vec<Vec<(usize, f64)>> {
     let inverse = BlendingInverse::new(Blending::new(knots, samples));
     let count = knots.count();
     let mut all = vec![Vec::new(); count];

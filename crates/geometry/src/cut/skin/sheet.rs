@@ -131,7 +131,7 @@ impl Cut {
         }
         let (_, skin) = best?;
         let more = skin.surface.area() / fine.area_m2() - 1.0;
-        if !(more.abs() <= MOST_MORE) {
+        if more.is_nan() || more.abs() > MOST_MORE {
             return Err(PieceSkinError::Folded { more });
         }
         Ok(PieceSkin {
