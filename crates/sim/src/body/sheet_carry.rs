@@ -108,7 +108,8 @@ pub(super) fn carried(
         return None;
     }
     let [us, vs] = [part.knots_u(), part.knots_v()].map(samples);
-    let [along_u, along_v] = [(part.knots_u(), &us), (part.knots_v(), &vs)].map(samples_of_controls);
+    let [along_u, along_v] =
+        [(part.knots_u(), &us), (part.knots_v(), &vs)].map(samples_of_controls);
     let mut solver = ClosestSolver::new(whole);
     let mut at = Vec::with_capacity(us.len() * vs.len());
     for &u in &us {

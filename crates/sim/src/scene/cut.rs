@@ -456,6 +456,8 @@ fn piece(
         }
         FixedSpec::Range { .. } => true,
     });
+    // An open sheet cannot say where it passes through itself.
+    body.self_contact &= surface.topology().is_closed();
     body.lattice.refine = RefineSpec::Auto(RefineAuto::None);
     body.lattice.layers = Some(whole.layers());
     if whole.model() == ModelSpec::Continuum && whole.lattice.builder == BuilderSpec::Layers {
