@@ -4,6 +4,7 @@
 //! n · S − offset, by Bézier pieces ──▶ rectangles in which the curve is nothing or one graph ──▶ regions, loops
 //! regions ──▶ integrals;  loops ──▶ rims in space and in (u, v) ──▶ caps ──▶ pieces ──▶ Brep, triangles
 //! triangles at rest ──▶ sections between rims, laid out ──▶ one closed surface of a piece
+//! triangles of a sheet's piece at rest ──▶ disc, ring or rectangle ──▶ one open surface of it
 //! ```
 //! The curve is found with certainty: a rectangle is halved until Bernstein coefficients show that it has no zero, or that
 //! the field is monotone across it and has one root at most on each side (Descartes). What stays unclear at a millionth of a
@@ -25,9 +26,9 @@ mod skin;
 mod tests;
 mod triangles;
 
-pub use pieces::{Cap, Cut, Piece, cut_by_plane};
+pub use pieces::{Cap, Cut, Piece, cut_by_plane, cut_sheet_by_plane};
 pub use rim::RimPiece;
-pub use skin::{LEAST_COUNTS, PieceSkin, PieceSkinError, SkinSpec};
+pub use skin::{LEAST_COUNTS, PieceSkin, PieceSkinError, SheetSpec, SkinSpec};
 pub use triangles::{CutMesh, CutMeshError, Origin};
 
 use crate::math::{Point3, Vector3};

@@ -9,7 +9,7 @@ use super::regions::{Regions, Sets};
 use super::rim::{Fitter, RimEdge};
 use super::{CutError, CutPlane};
 use crate::math::{Point3, Vector3};
-use crate::surface::{ClosestSolver, Surface};
+use crate::surface::{ClosestSolver, Surface, Topology};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Of the size: closer than this a plane touches.
@@ -60,7 +60,7 @@ pub struct Cut {
     pub plane: CutPlane,
     /// Those above first, then by where they begin in (u, v).
     pub pieces: Vec<Piece>,
-    /// The surface has an inside.
+    /// The surface has an inside, and pieces have caps.
     pub closed: bool,
     /// S_u × S_v points out of it.
     pub(super) outwards: bool,
@@ -104,10 +104,43 @@ struct Spot {
 /// ```
 pub fn cut_by_plane(surface: &Surface, plane: &CutPlane) -> Result<Cut, CutError> {
     let topology = surface.topology();
+    let closed = topology.is_closed();
+    cut(surface, &topology, plane, closed)
+}
+
+/// Cuts a surface by a plane as a sheet, also a closed one: its pieces are connected parts of it, without caps.
+///
+/// # Errors
+/// As [`cut_by_plane`].
+///
+/// # Examples
+/// ```
+/// use palpate_geometry::cut::{CutPlane, cut_sheet_by_plane};
+/// use palpate_geometry::math::{Point3, Vector3};
+/// use palpate_geometry::surface::builtin;
+/// let ring = builtin("torus", None, None)?;
+/// let plane = CutPlane::through(&Point3::origin(), &Vector3::x()).expect("a direction");
+/// let cut = cut_sheet_by_plane(&ring, &plane)?;
+/// // Two bent tubes, open at both ends.
+/// assert_eq!(cut.pieces.iter().map(|piece| piece.rim_count()).collect::<Vec<_>>(), [2, 2]);
+/// assert_eq!(cut.pieces[0].cap_area_m2, 0.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn cut_sheet_by_plane(surface: &Surface, plane: &CutPlane) -> Result<Cut, CutError> {
+    cut(surface, &surface.topology(), plane, false)
+}
+
+/// Into bodies with caps where `closed`, else into sheets.
+fn cut(
+    surface: &Surface,
+    topology: &Topology,
+    plane: &CutPlane,
+    closed: bool,
+) -> Result<Cut, CutError> {
     if surface.joints().is_some() || topology.torn.contains(&true) {
         return Err(CutError::Joined);
     }
-    let grid = Grid::new(surface, &topology);
+    let grid = Grid::new(surface, topology);
     let field = Field::new(surface, &grid, plane);
     let leaves = Leaves::new(&field, &grid)?;
     let regions = Regions::new(&field, &grid, &leaves)?;
@@ -115,9 +148,8 @@ pub fn cut_by_plane(surface: &Surface, plane: &CutPlane) -> Result<Cut, CutError
         return Err(misses(surface, plane));
     }
     let sums = integrals(surface, plane, &field, &grid, &leaves, &regions);
-    let closed = topology.is_closed();
     let volume: f64 = sums.iter().map(|sum| sum.volume_m3).sum();
-    let outwards = if closed {
+    let outwards = if topology.is_closed() {
         volume > 0.0
     } else {
         !surface.flip_normal()

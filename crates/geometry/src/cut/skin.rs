@@ -7,29 +7,37 @@
 //! Rims of the chain are lines v = const with three knots: there the surface has an edge, and a flat cap is flat.
 
 mod chart;
+mod error;
 mod fine;
 mod fit;
 mod harmonic;
 mod levels;
+mod made;
+mod outline;
+mod patch;
 mod sections;
+mod sheet;
+mod sheet_fit;
+#[cfg(test)]
+mod sheet_tests;
 #[cfg(test)]
 mod tests;
 
-use super::{Cut, CutMeshError, Origin};
-use crate::math::{MOST_COORDINATE_M, Point3};
-use crate::surface::{Surface, SurfaceError};
+pub use error::PieceSkinError;
+pub use fit::LEAST_COUNTS;
+pub use made::PieceSkin;
+pub use sheet::SheetSpec;
+
+use super::{Cut, Origin};
+use crate::math::Point3;
+use crate::surface::Surface;
 use chart::{Chart, Kind, RimTurns, charts};
-use fine::{Corner, Fine, Lies, Sheets};
-use fit::{LEAST_STEPS, Layout, farther};
+use fine::{Corner, EDGES, Fine, Sheets, finite};
+use fit::{LEAST_STEPS, Layout, MOST_POINTS, farther};
 use sections::{Net, Rim, Sections};
 
-/// Control points that a net has at least, around and from pole to pole: a disc on each side of a rim.
-pub const LEAST_COUNTS: [usize; 2] = [4, 2 * LEAST_STEPS + 1];
-/// Control points at most.
-const MOST_POINTS: usize = 1 << 16;
-/// Edges of the triangles, of the root of the area: for this many control points, and no longer or shorter than these.
+/// Edges of the triangles, of the root of the area: for this many control points.
 const EDGE_COUNTS: f64 = 0.75;
-const EDGES: [f64; 2] = [1.0 / 50.0, 1.0 / 14.0];
 
 /// What a piece's surface shall be like.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,91 +56,6 @@ impl Default for SkinSpec {
             most_creases: 4,
         }
     }
-}
-
-/// A piece's boundary as one closed surface.
-#[derive(Clone, Debug)]
-pub struct PieceSkin {
-    /// Bicubic, periodic in u, with poles at both ends of v, normals outwards.
-    pub surface: Surface,
-    /// The farthest that a sample of the piece's boundary at rest is from the surface, m; samples are everywhere, also between
-    /// those that were fitted.
-    pub off_m: f64,
-    /// How many of the rims are creases of the surface.
-    pub creases: usize,
-    /// Rims of the piece, and creases that the surface had and that no rim meets, as those of a former cut.
-    pub rims: usize,
-}
-
-/// Why a piece has no such surface.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum PieceSkinError {
-    /// A number that is not of a piece.
-    #[error("there is no piece {piece}: the cut has {count}, counted from 0")]
-    Piece {
-        /// As asked for.
-        piece: usize,
-        /// As there are.
-        count: usize,
-    },
-    /// A sheet has no inside.
-    #[error("a piece of an open sheet bounds no body: close the surface before the cut")]
-    Sheet,
-    /// Too small or too large a net.
-    #[error(
-        "a net of {} × {} is not possible: it takes {} × {} control points at least, {MOST_POINTS} at most altogether",
-        counts[0], counts[1], LEAST_COUNTS[0], LEAST_COUNTS[1]
-    )]
-    Counts {
-        /// As asked for.
-        counts: [usize; 2],
-    },
-    /// The surface at rest is another one.
-    #[error(
-        "the surface at rest does not have the knots and the net of the surface that was cut: give the same one, moved"
-    )]
-    Rest,
-    /// A hole goes through the piece.
-    #[error(
-        "the piece has {handles} holes through it, as a ring cut along its plane: a surface with two poles has none; cut the \
-         ring across first"
-    )]
-    Handles {
-        /// How many.
-        handles: usize,
-    },
-    /// Rims or faces that touch in a point.
-    #[error(
-        "parts of the piece's boundary touch in single points: move or tilt the plane by a thousandth of the size"
-    )]
-    Pinched,
-    /// More triangles than allowed.
-    #[error(
-        "the piece's boundary takes more than {most} triangles: it is too thin or too rough; move or tilt the plane"
-    )]
-    TooFine {
-        /// As allowed.
-        most: usize,
-    },
-    /// Matter goes nowhere.
-    #[error(
-        "a place of the piece is at ({x} m, {y} m, {z} m) at rest, not finite within ±{MOST_COORDINATE_M:e} m: `matter` must \
-         give a place for every point of the caps"
-    )]
-    NotFinite {
-        /// m.
-        x: f64,
-        /// m.
-        y: f64,
-        /// m.
-        z: f64,
-    },
-    /// Triangles of skin and caps.
-    #[error("the piece is not divided into triangles: {0}")]
-    Triangles(#[from] CutMeshError),
-    /// A surface that cannot be.
-    #[error(transparent)]
-    Surface(#[from] SurfaceError),
 }
 
 impl Cut {
@@ -168,13 +91,7 @@ impl Cut {
         spec: &SkinSpec,
     ) -> Result<PieceSkin, PieceSkinError> {
         self.check(piece, rest, spec)?;
-        let own = &self.surface;
-        let still = rest.net() == own.net() && rest.weights() == own.weights();
-        let mut sheets = Sheets {
-            cut: self,
-            rest: if still { own } else { rest },
-            matter,
-        };
+        let mut sheets = Sheets::new(self, rest, matter);
         let most = spec.counts[0].max(spec.counts[1]) as f64;
         let edge = (1.0 / (EDGE_COUNTS * most)).clamp(EDGES[0], EDGES[1]);
         let fine = Fine::new(&mut sheets, piece, edge)?;
@@ -210,17 +127,7 @@ impl Cut {
 
     fn check(&self, piece: usize, rest: &Surface, spec: &SkinSpec) -> Result<(), PieceSkinError> {
         let [around, along] = spec.counts;
-        let own = &self.surface;
-        let same = rest.knots_u() == own.knots_u()
-            && rest.knots_v() == own.knots_v()
-            && rest.net().points().len() == own.net().points().len()
-            && rest.topology() == own.topology();
-        if piece >= self.pieces.len() {
-            return Err(PieceSkinError::Piece {
-                piece,
-                count: self.pieces.len(),
-            });
-        }
+        self.check_rest(piece, rest)?;
         if !self.closed {
             return Err(PieceSkinError::Sheet);
         }
@@ -230,10 +137,7 @@ impl Cut {
                 counts: spec.counts,
             });
         }
-        match same {
-            true => Ok(()),
-            false => Err(PieceSkinError::Rest),
-        }
+        Ok(())
     }
 }
 
@@ -259,7 +163,7 @@ impl Sampler<'_, '_> {
             let pole = match chart.kind {
                 Kind::First => Some(self.within(chart, 0.0, 0.0)),
                 Kind::Last => Some(self.within(chart, 0.0, 1.0)),
-                Kind::Ring => None,
+                Kind::Ring | Kind::Patch => None,
             };
             let shares = self.layout.shares(k);
             let mut samples = Vec::with_capacity(turns.len() * shares.len());
@@ -291,14 +195,7 @@ impl Sampler<'_, '_> {
     }
 
     fn within(&mut self, chart: &Chart, turn: f64, share: f64) -> Corner {
-        let (triangle, weights) = chart.find(turn, share);
-        let corners = self.fine.triangles[triangle as usize].map(|c| self.fine.corners[c as usize]);
-        let lies = match self.fine.caps[triangle as usize] {
-            Some(_) => Lies::Cap,
-            None => Lies::Skin,
-        };
-        let [a, b, c] = [0, 1, 2].map(|k| (corners[k], weights[k]));
-        self.sheets.between(&[a, b, c], lies)
+        chart.corner(self.fine, &mut self.sheets, [turn, share])
     }
 }
 
@@ -312,17 +209,4 @@ fn farthest(surface: &Surface, fine: &Fine, charts: &[Chart], layout: &Layout) -
         }
     }
     most
-}
-
-/// All can be calculated with.
-fn finite(corners: &[Corner]) -> Result<(), PieceSkinError> {
-    let good = |p: &Point3| p.iter().all(|x| x.abs() <= MOST_COORDINATE_M);
-    match corners.iter().find(|corner| !good(&corner.rest)) {
-        Some(Corner { rest, .. }) => Err(PieceSkinError::NotFinite {
-            x: rest.x,
-            y: rest.y,
-            z: rest.z,
-        }),
-        None => Ok(()),
-    }
 }

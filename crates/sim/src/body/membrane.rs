@@ -11,7 +11,9 @@ use super::matter::Blueprint;
 use super::node_map::NodeMap;
 use super::settings::{DeformableError, StepSettings};
 use super::sheet::{Row, Sheet};
+use super::ties::coordinates_of_surface;
 use palpate_geometry::math::Point3;
+use palpate_geometry::surface::Surface;
 
 /// ν of a square net of springs.
 const POISSON: f64 = 1.0 / 3.0;
@@ -82,4 +84,17 @@ pub fn membrane(
         grains: Vec::new(),
     };
     Deformable::new(blueprint, material.damping_s, material.plastic, settings)
+}
+
+/// The area that counts for a membrane's mass: of the quadrilaterals between the control points of its surface, m².
+pub fn membrane_area_m2(surface: &Surface) -> f64 {
+    let points = surface.net().points();
+    let of_control = coordinates_of_surface(surface);
+    let sheet = Sheet::of_surface(surface, &of_control);
+    let mut coordinates = vec![Point3::origin(); points.len()];
+    for (point, &coordinate) in points.iter().zip(&of_control) {
+        coordinates[coordinate as usize] = *point;
+    }
+    let area = |quad| quad_area(&coordinates, quad);
+    sheet.quads.iter().map(area).sum()
 }

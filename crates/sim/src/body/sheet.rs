@@ -1,6 +1,6 @@
 //! Which control points of a surface are neighbours: quadrilaterals, and rows of three that bend.
 
-use palpate_geometry::surface::{Joints, Surface};
+use palpate_geometry::surface::{Closing, Joints, Surface};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The neighbours of a membrane, as coordinates.
@@ -41,6 +41,13 @@ impl Row {
 }
 
 impl Sheet {
+    /// Of a surface as its knots go round, whose control points are these coordinates.
+    pub fn of_surface(surface: &Surface, coordinate_of_control: &[u32]) -> Self {
+        let closing = surface.topology().closing;
+        let wraps = closing.map(|closing| closing == Closing::Periodic);
+        Self::of(surface, wraps, coordinate_of_control)
+    }
+
     /// Of a surface, whose control points are these coordinates; `wraps` says which directions go
     /// on with their first points after the last.
     pub fn of(surface: &Surface, wraps: [bool; 2], coordinate_of_control: &[u32]) -> Self {

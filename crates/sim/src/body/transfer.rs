@@ -11,9 +11,11 @@ use super::elements::spring_table::SpringTable;
 use super::matter::Matter;
 use super::node_map::{NodeMap, SparseRows};
 use super::plastic::Flow;
+use super::sheet_carry::{Affine, carried};
 use super::state::DeformableState;
 use super::tetrahedra::Tetrahedra;
 use palpate_geometry::math::{Point3, Vector3};
+use palpate_geometry::surface::Surface;
 
 /// Springs within this of each other, relative to the mean length of those that are carried over, are of the same matter.
 const NEAR: f64 = 1.5;
@@ -27,6 +29,8 @@ const ALONG: i32 = 8;
 pub struct Transfer {
     /// (coordinates of the piece) × (coordinates of the body).
     places: SparseRows,
+    /// Of membranes.
+    affine: Option<Affine>,
     flow: Option<FlowCarry>,
 }
 
@@ -76,6 +80,27 @@ impl Transfer {
         };
         Some(Self {
             places: SparseRows::new(new.rest.iter().map(row)),
+            affine: None,
+            flow,
+        })
+    }
+
+    /// From a membrane to a piece of it, each with its surface at rest.
+    pub fn of_membrane(
+        body: (&Deformable, &Surface),
+        piece: (&Deformable, &Surface),
+    ) -> Option<Self> {
+        let (old, new) = (body.0.matter(), piece.0.matter());
+        let flow = match (&old.flow, &new.flow) {
+            (Some(Flow::Springs(_)), Some(Flow::Springs(_))) => {
+                Some(FlowCarry::Springs(springs(old, new)))
+            }
+            _ => None,
+        };
+        let (places, affine) = carried(body, piece)?;
+        Some(Self {
+            places,
+            affine: Some(affine),
             flow,
         })
     }
@@ -95,6 +120,19 @@ impl Transfer {
             body.rest.len(),
             "a state of another body"
         );
+        let fields = self.affine.as_ref().map(|affine| {
+            let moved = old
+                .positions
+                .iter()
+                .zip(&body.rest)
+                .map(|(x, rest)| x - rest);
+            let velocities = old.velocities.iter().copied();
+            let fields = [
+                affine.of(&body.rest, moved),
+                affine.of(&body.rest, velocities),
+            ];
+            (affine, fields)
+        });
         for c in 0..piece.rest.len() {
             let (columns, weights) = self.places.row(c);
             let (mut moved, mut velocity) = (Vector3::zeros(), Vector3::zeros());
@@ -102,6 +140,10 @@ impl Transfer {
                 let from = from as usize;
                 moved += (old.positions[from] - body.rest[from]) * weight;
                 velocity += old.velocities[from] * weight;
+            }
+            if let Some((affine, [places, velocities])) = &fields {
+                moved += affine.missed(c, places);
+                velocity += affine.missed(c, velocities);
             }
             if piece.unknown(c).is_some() {
                 new.positions[c] = piece.rest[c] + moved;

@@ -4,9 +4,10 @@
 //! surface as it stands, plane ─▶ pieces ─▶ their boundaries at rest, as closed surfaces ─▶ SceneSpec with a body for each
 //! ```
 //! A piece has cells of its own, of the shape of its boundary, and takes over the motion of the matter that was there:
-//! [`CarryOver`](crate::tick::CarryOver).
+//! [`CarryOver`](crate::tick::CarryOver). Pieces of a membrane are open surfaces, and have no boundary but their rims.
 
 use super::change::{Origin, SceneChange, inline, pinned, placement};
+use super::cut_sheet::CutMembrane;
 use super::door::{Door, SceneError};
 use super::model::material_of;
 use super::spec::{
@@ -111,8 +112,14 @@ pub struct SceneCut {
     pub change: SceneChange,
     /// Those above the plane first.
     pub pieces: Vec<BodyPiece>,
-    /// What was in the kerf, m³.
+    /// What was in the kerf, m³; of a membrane, as of its pieces, area times thickness.
     pub lost_m3: f64,
+}
+
+/// What is cut, and how its pieces come to their surfaces at rest.
+enum Matter {
+    Solid(Deformed),
+    Membrane(CutMembrane),
 }
 
 /// A piece of one of the cuts.
@@ -129,7 +136,7 @@ impl SceneCut {
     /// [`SceneState::coordinates`]: crate::tick::SceneState::coordinates
     ///
     /// # Errors
-    /// A body that is no solid, a plane that misses it, pieces with holes through them.
+    /// A body that is neither a solid nor a membrane, a plane that misses it, pieces with holes through them.
     pub fn new(
         scene: &Scene,
         body: usize,
@@ -142,13 +149,18 @@ impl SceneCut {
         let no_volume = || SceneCutError::NoVolume { body: id() };
         let surface = scene.surface_with(body, points)?.ok_or_else(no_volume)?;
         let rest = scene.rest_surface(body).ok_or_else(no_volume)?;
-        let deformable = scene.deformable(body).ok_or_else(no_volume)?;
-        let deformed = Deformed::new(deformable, coordinates).ok_or_else(no_volume)?;
-        let cuts = cuts(&surface, plane, kerf_m)
+        let matter = match CutMembrane::of(scene, body) {
+            Some(membrane) => Matter::Membrane(membrane),
+            None => {
+                let deformable = scene.deformable(body).ok_or_else(no_volume)?;
+                Matter::Solid(Deformed::new(deformable, coordinates).ok_or_else(no_volume)?)
+            }
+        };
+        let cuts = cuts(&surface, plane, kerf_m, &matter)
             .map_err(|error| SceneCutError::Cut { body: id(), error })?;
         let kept = kept(&cuts);
         let mut skins = Vec::new();
-        for (k, skin) in skins_of(&kept, rest, &deformed).into_iter().enumerate() {
+        for (k, skin) in skins_of(&kept, rest, &matter).into_iter().enumerate() {
             let skin = skin.map_err(|error| SceneCutError::Piece {
                 piece: k + 1,
                 body: id(),
@@ -182,10 +194,10 @@ impl SceneCut {
     }
 }
 
-/// A body may be cut: it is a solid that deforms.
+/// A body may be cut: it is a solid that deforms, or a membrane.
 ///
 /// # Errors
-/// It is rigid or a membrane, or something holds it that is not known of its pieces.
+/// It is rigid or a thick sheet, or something holds it that is not known of its pieces.
 fn check_cut(scene: &Scene, body: usize) -> Result<(), SceneError> {
     let spec = &scene.spec.bodies[body];
     let id = &spec.id;
@@ -200,10 +212,10 @@ fn check_cut(scene: &Scene, body: usize) -> Result<(), SceneError> {
     let closed = scene
         .rest_surface(body)
         .is_some_and(|surface| surface.topology().is_closed());
-    if spec.model() == ModelSpec::Membrane || !closed {
+    if spec.model() != ModelSpec::Membrane && !closed {
         let reason = format!(
-            "{id:?} has no inside, and only solids are cut: use a closed surface with model = \"lattice\", \"continuum\" or \
-             \"net\""
+            "{id:?} is an open surface with a thickness, and only solids and membranes are cut: use a closed surface, or \
+             model = \"membrane\""
         );
         return Err(SceneError::one(at, reason));
     }
@@ -234,7 +246,11 @@ impl SceneChange {
         let mut spec = pinned(scene)?;
         let whole = spec.bodies.remove(body);
         let ids = numbered(&whole.id, pieces.len(), &spec)?;
-        let volume = |surface: &Surface| surface.volume().abs();
+        let membrane = CutMembrane::of(scene, body);
+        let volume = |surface: &Surface| match &membrane {
+            Some(membrane) => membrane.volume_m3(surface),
+            None => surface.volume().abs(),
+        };
         let enclosed = scene.rest_surface(body).map_or(0.0, volume);
         let denser = kept * enclosed / pieces.iter().map(|surface| volume(surface)).sum::<f64>();
         let mut made = Vec::new();
@@ -310,23 +326,25 @@ fn made_piece(
 /// What a piece may be, the best first: model and layers.
 fn instead(piece: &BodySpec) -> Vec<(ModelSpec, usize)> {
     let (model, layers) = (piece.model(), piece.layers());
+    if !matches!(model, ModelSpec::Continuum | ModelSpec::Net) {
+        return vec![(model, layers)];
+    }
     let fewest = match piece.lattice.builder {
-        BuilderSpec::Layers if model != ModelSpec::Lattice => 1,
+        BuilderSpec::Layers => 1,
         _ => layers,
     };
-    let mut all: Vec<_> = (fewest..=layers)
-        .rev()
-        .map(|layers| (model, layers))
-        .collect();
+    let fewer = (fewest..=layers).rev().map(|layers| (model, layers));
     // Springs take cells of any shape.
-    if model != ModelSpec::Lattice {
-        all.push((ModelSpec::Lattice, layers));
-    }
-    all
+    fewer.chain([(ModelSpec::Lattice, layers)]).collect()
 }
 
 /// One cut, or with a kerf one at each of its sides: what is above of the first, and what is below of the last, is left.
-fn cuts(surface: &Surface, plane: &CutPlane, kerf_m: f64) -> Result<Vec<Cut>, CutError> {
+fn cuts(
+    surface: &Surface,
+    plane: &CutPlane,
+    kerf_m: f64,
+    matter: &Matter,
+) -> Result<Vec<Cut>, CutError> {
     let sides = [0.5, -0.5].map(|side| CutPlane {
         offset_m: plane.offset_m + side * kerf_m,
         ..*plane
@@ -337,7 +355,10 @@ fn cuts(surface: &Surface, plane: &CutPlane, kerf_m: f64) -> Result<Vec<Cut>, Cu
         &sides[..1]
     };
     (planes.iter())
-        .map(|plane| cut_by_plane(surface, plane))
+        .map(|plane| match matter {
+            Matter::Solid(_) => cut_by_plane(surface, plane),
+            Matter::Membrane(membrane) => membrane.cut(surface, plane),
+        })
         .collect()
 }
 
@@ -410,8 +431,12 @@ impl Kept<'_> {
     }
 
     /// Its boundary at rest as one surface.
-    fn skin(&self, rest: &Surface, deformed: &Deformed) -> Result<PieceSkin, PieceSkinError> {
+    fn skin(&self, rest: &Surface, matter: &Matter) -> Result<PieceSkin, PieceSkinError> {
         let Self { cut, piece } = *self;
+        let deformed = match matter {
+            Matter::Solid(deformed) => deformed,
+            Matter::Membrane(membrane) => return membrane.skin(cut, piece, rest),
+        };
         let made = |counts: [usize; 2]| {
             let spec = SkinSpec {
                 counts,
@@ -436,12 +461,12 @@ impl Kept<'_> {
 fn skins_of(
     kept: &[Kept<'_>],
     rest: &Surface,
-    deformed: &Deformed,
+    matter: &Matter,
 ) -> Vec<Result<PieceSkin, PieceSkinError>> {
     let mut skins: Vec<_> = kept.iter().map(|_| None).collect();
     std::thread::scope(|threads| {
         for (kept, skin) in kept.iter().zip(&mut skins) {
-            threads.spawn(move || *skin = Some(kept.skin(rest, deformed)));
+            threads.spawn(move || *skin = Some(kept.skin(rest, matter)));
         }
     });
     skins.into_iter().flatten().collect()
@@ -501,6 +526,8 @@ fn piece(
         }
         FixedSpec::Range { .. } => true,
     });
+    // An open sheet cannot say where it passes through itself.
+    body.self_contact &= surface.topology().is_closed();
     body.lattice.refine = RefineSpec::Auto(RefineAuto::None);
     Ok(body)
 }

@@ -7,6 +7,7 @@
 mod build;
 mod change;
 mod cut;
+mod cut_sheet;
 mod door;
 pub mod file;
 mod findings;
@@ -254,6 +255,11 @@ impl Scene {
     /// True when the body's net can change.
     pub fn deforms(&self, body: usize) -> bool {
         matches!(self.bodies[body].model, BodyModel::Deforming(_))
+    }
+
+    /// True of a skin of springs.
+    pub(crate) fn is_membrane(&self, body: usize) -> bool {
+        self.spec.bodies[body].model() == spec::ModelSpec::Membrane
     }
 
     /// True when the body's net can change: it deforms, or it is rigid and moves.

@@ -22,11 +22,11 @@ impl CarryOver {
     /// From one scene to another, whose bodies come from `origins`.
     pub fn new(old: &Scene, new: &Scene, origins: Vec<Origin>) -> Self {
         debug_assert_eq!(origins.len(), new.bodies.len(), "an origin a body");
-        let transfer = |(body, origin): (usize, &Origin)| match *origin {
-            Origin::Piece { from } => Transfer::new(old.deformable(from)?, new.deformable(body)?),
+        let transfer_of = |(body, origin): (usize, &Origin)| match *origin {
+            Origin::Piece { from } => transfer((old, from), (new, body)),
             Origin::Kept { .. } | Origin::New => None,
         };
-        let transfers = origins.iter().enumerate().map(transfer).collect();
+        let transfers = origins.iter().enumerate().map(transfer_of).collect();
         let from = |origin: &Origin| match *origin {
             Origin::Piece { from } => Some(from),
             Origin::Kept { .. } | Origin::New => None,
@@ -53,6 +53,18 @@ impl CarryOver {
         let of = move |origin: &Origin| *origin == Origin::Piece { from: body };
         all.filter(move |(_, (origin, _))| of(origin))
             .filter_map(|(piece, (_, transfer))| Some((piece, transfer.as_ref()?)))
+    }
+}
+
+/// From a body of one scene to its piece in another.
+fn transfer((old, body): (&Scene, usize), (new, piece): (&Scene, usize)) -> Option<Transfer> {
+    let (whole, part) = (old.deformable(body)?, new.deformable(piece)?);
+    match old.is_membrane(body) {
+        true => Transfer::of_membrane(
+            (whole, old.rest_surface(body)?),
+            (part, new.rest_surface(piece)?),
+        ),
+        false => Transfer::new(whole, part),
     }
 }
 

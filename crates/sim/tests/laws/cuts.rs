@@ -272,21 +272,165 @@ fn clay_keeps_its_dents() {
     }
 }
 
+fn skin(surface: &str, more: &str) -> World {
+    World::new(&format!(
+        "[[body]]\nid = \"skin\"\nsurface = {{ {surface} }}\nmodel = \"membrane\"\nlattice = {{ thickness_m = 1e-3 }}\n\
+         material = {{ young_pa = 2e5 }}\n{more}\n\
+         [[tool]]\nid = \"pen\"\nshape = {{ sphere = {{ radius_m = 0.005 }} }}\npose = {{ position = [0.0, 0.0, 0.2] }}\n\
+         device = {{ force_max_n = 50.0, ramp_s = 0.0, speed_max_m_s = 1000.0 }}\n"
+    ))
+}
+
+const SKINS: [&str; 3] = [
+    "builtin = \"sphere\", size = 0.03, net = [12, 7]",
+    "builtin = \"sheet\", size = 0.06, net = [10, 10]",
+    "builtin = \"torus\"",
+];
+
+// Two sheets, no cap: of a ball, of a square and of a ring.
+#[test]
+fn pieces_of_a_moving_membrane_have_its_mass_and_momentum() {
+    for surface in SKINS {
+        let moving = "velocity_m_s = [0.1, -0.2, 0.05]\nspin_rad_s = [3.0, 10.0, -5.0]";
+        let mut world = skin(surface, moving);
+        rest(&mut world, 50);
+        let before = motion(&world);
+        let oblique = plane([0.004, -0.01, 0.004], [1.0, 0.2, 0.3]);
+        let done = cut(&mut world, "skin", &oblique, 0.0);
+        assert_eq!(done.pieces.len(), 2);
+        let after = motion(&world);
+        let off = [
+            after.0 / before.0 - 1.0,
+            (after.1 - before.1).norm() / before.1.norm(),
+            (after.2 - before.2).norm() / before.2.norm(),
+        ];
+        println!("{surface}: {off:?}");
+        assert!(
+            off.iter().all(|off| off.abs() < 1e-12),
+            "{surface}: {off:?}"
+        );
+        for piece in &done.pieces {
+            let size_m = piece.piece.skin_area_m2.sqrt();
+            println!("  {} off {:.1e}", piece.id, piece.skin.off_m / size_m);
+            assert_eq!((piece.piece.cap_area_m2, piece.skin.creases), (0.0, 0));
+            assert!(piece.skin.off_m < 5e-3 * size_m, "{surface}");
+            assert!(!piece.skin.surface.topology().is_closed());
+            let volume = piece.piece.skin_area_m2 * 1e-3;
+            assert_eq!(piece.piece.volume_m3, volume, "{surface}");
+        }
+        // They stand where the whole did: its surface cut there, and rims in the plane.
+        for (body, piece) in done.pieces.iter().enumerate() {
+            let mut points = world.scene.skin(body).points().to_vec();
+            world.state.copy_net(&world.scene, body, &mut points);
+            let surface = world.scene.surface_with(body, &points).unwrap().unwrap();
+            let side = if piece.piece.above { 1.0 } else { -1.0 };
+            let lowest = samples(&surface, 50)
+                .iter()
+                .map(|p| side * oblique.height(p))
+                .fold(f64::INFINITY, f64::min);
+            println!("  {} to {lowest:.1e} m of the plane", piece.id);
+            assert!(lowest.abs() < 2e-4, "{lowest}");
+            let area = surface.area() / piece.piece.skin_area_m2;
+            assert!((area - 1.0).abs() < 2e-3, "{area}");
+        }
+        rest(&mut world, 300);
+        let later = motion(&world);
+        let lost = (later.1 - before.1).norm() / before.1.norm();
+        assert!(lost < 1e-9, "{surface}: {lost}");
+        for body in 0..2 {
+            let fastest = fastest(&world, body);
+            assert!(fastest < 2.0, "{surface}: {fastest} m/s");
+        }
+    }
+}
+
+fn fastest(world: &World, body: usize) -> f64 {
+    let body = world.state.bodies[body].deformable.as_ref().unwrap();
+    let speeds = body.velocities.iter().map(Vector3::norm);
+    speeds.fold(0.0, f64::max)
+}
+
+#[test]
+fn a_membrane_at_rest_stays_so_and_its_pieces_are_cut_again() {
+    for surface in SKINS {
+        let mut world = skin(surface, "");
+        rest(&mut world, 5);
+        let first = plane([0.001, 0.0, 0.0], [1.0, 0.1, 0.05]);
+        let done = cut(&mut world, "skin", &first, 0.0);
+        rest(&mut world, 100);
+        let before = motion(&world).0;
+        let second = plane([0.0, 0.002, 0.0], [0.05, 1.0, 0.2]);
+        let again = cut(&mut world, &done.pieces[0].id, &second, 0.0);
+        let after = motion(&world).0;
+        assert!((after / before - 1.0).abs() < 1e-12, "{surface}");
+        rest(&mut world, 100);
+        for body in 0..world.scene.body_count() {
+            let fastest = fastest(&world, body);
+            assert!(fastest < 1e-9, "{surface}: {fastest:e} m/s");
+        }
+        for piece in &again.pieces {
+            let share = piece.skin.off_m / piece.piece.skin_area_m2.sqrt();
+            println!("{surface}: {} off {share:.1e} of its size", piece.id);
+            assert!(share < 2e-2, "{surface}: {share}");
+        }
+    }
+}
+
+// What is fixed stays so, the rest falls; what is in a kerf is lost.
+#[test]
+fn a_membrane_hangs_on_where_it_is_fixed() {
+    let held = "fixed = [{ point = [-0.028, 0.0, 0.0], normal = [1.0, 0.0, 0.0] }]\n\
+                [gravity]\nacceleration = [0.0, 0.0, -9.81]";
+    let mut world = skin(SKINS[1], held);
+    rest(&mut world, 20);
+    let whole = motion(&world).0;
+    let kerf_m = 0.002;
+    let done = cut(
+        &mut world,
+        "skin",
+        &plane([0.01, 0.0, 0.0], [1.0, 0.0, 0.0]),
+        kerf_m,
+    );
+    let lost = done.lost_m3 / (0.06 * 0.06 * 1e-3);
+    assert!((lost / (kerf_m / 0.06) - 1.0).abs() < 0.05, "{lost}");
+    let left = motion(&world).0 / whole;
+    assert!((left + lost - 1.0).abs() < 1e-4, "{left} {lost}");
+    rest(&mut world, 100);
+    let [loose, hung] = [0, 1].map(|k| world.scene.body_index(&done.pieces[k].id).unwrap());
+    assert!(world.scene.spec.bodies[loose].fixed.is_empty());
+    assert_eq!(world.scene.spec.bodies[hung].fixed.len(), 1);
+    let mean = |body: usize| {
+        let state = world.state.bodies[body].deformable.as_ref().unwrap();
+        state.velocities.iter().sum::<Vector3>() / state.velocities.len() as f64
+    };
+    assert!(
+        (mean(loose).z + 0.981 + 0.196).abs() < 0.1,
+        "{}",
+        mean(loose)
+    );
+    assert!(mean(hung).norm() < mean(loose).norm());
+}
+
 #[test]
 fn what_cannot_be_cut_says_why() {
     let rigid = World::new("[[body]]\nid = \"ball\"\nsurface = { builtin = \"sphere\" }\n");
     let sheet = World::new(
-        "[[body]]\nid = \"sheet\"\nsurface = { builtin = \"sheet\" }\nmodel = \"membrane\"\nlattice = { thickness_m = 1e-3 }\n",
+        "[[body]]\nid = \"sheet\"\nsurface = { builtin = \"sheet\" }\nmodel = \"lattice\"\nlattice = { thickness_m = 4e-3 }\n",
     );
+    let ranged = skin(SKINS[1], "fixed = [{ u = [0.0, 0.1], v = [0.0, 1.0] }]");
+    let tight = skin(SKINS[2], "");
     let soft = World::new(&jelly(MODELS[0], ""));
     let ring = World::new(
         "[[body]]\nid = \"ring\"\nsurface = { builtin = \"torus\" }\nmodel = \"continuum\"\n",
     );
     let z = plane([0.0; 3], [0.0, 0.0, 1.0]);
     let far = plane([0.0, 0.0, 0.2], [0.0, 0.0, 1.0]);
+    let corner = plane([0.045, 0.0, 0.0], [1.0, 0.0, 0.0]);
     for (world, plane, word) in [
         (&rigid, &z, "is rigid"),
-        (&sheet, &z, "has no inside"),
+        (&sheet, &z, "open surface with a thickness"),
+        (&ranged, &z, "range of parameters"),
+        (&tight, &corner, "holes"),
         (&soft, &far, "does not cut"),
         (&ring, &z, "holes"),
     ] {

@@ -1,9 +1,10 @@
 //! Longitude and share of the length on a section, and the way back.
 
+use super::error::PieceSkinError;
+use super::fine::{Corner, Fine, Lies, Sheets};
 use super::harmonic::{FIXED, Harmonic};
 use super::levels::{Levels, Strip};
 use super::sections::{Net, Rim, Sections};
-use super::{PieceSkinError, fine::Fine};
 use crate::math::Vector3;
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
@@ -29,16 +30,18 @@ pub(super) enum Kind {
     Ring,
     /// At a pole where it ends.
     Last,
+    /// At four sides: no turns, but shares of two lengths.
+    Patch,
 }
 
 /// A triangle in the chart.
 #[derive(Clone, Copy, Debug)]
-struct Laid {
-    triangle: u32,
-    places: [[f64; 2]; 3],
+pub(super) struct Laid {
+    pub triangle: u32,
+    pub places: [[f64; 2]; 3],
 }
 
-/// A section laid out: a disc about the pole, or a band of one turn.
+/// A section laid out: a disc about the pole, a band of one turn, or a square.
 pub(super) struct Chart {
     pub kind: Kind,
     /// In the mean, m.
@@ -57,7 +60,7 @@ pub(super) struct RimTurns {
 
 impl RimTurns {
     /// By length, from an offset on.
-    fn new(fine: &Fine, rim: &Rim, offset: f64) -> Self {
+    pub fn new(fine: &Fine, rim: &Rim, offset: f64) -> Self {
         let mut turns = vec![offset];
         let mut passed = 0.0;
         let count = rim.corners.len();
@@ -140,13 +143,15 @@ struct Strain {
     mean: f64,
 }
 
-struct Maker<'a> {
-    fine: &'a Fine,
-    net: &'a Net,
-    of: &'a [u32],
-    section: u32,
-    triangles: Vec<u32>,
-    kind: Kind,
+/// Lays out a section.
+pub(super) struct Maker<'a> {
+    pub fine: &'a Fine,
+    pub net: &'a Net,
+    /// (triangles of the piece) Their sections.
+    pub of: &'a [u32],
+    pub section: u32,
+    pub triangles: Vec<u32>,
+    pub kind: Kind,
 }
 
 impl Maker<'_> {
@@ -207,7 +212,7 @@ impl Maker<'_> {
     }
 
     /// A way from the last edge of one rim to an edge of the other, and its steps.
-    fn way_across(&self, near: &Rim, far: &Rim) -> Result<(u32, Vec<f64>), PieceSkinError> {
+    pub fn way_across(&self, near: &Rim, far: &Rim) -> Result<(u32, Vec<f64>), PieceSkinError> {
         let mut at_far = vec![false; self.net.edges.len()];
         far.edges.iter().for_each(|&e| at_far[e as usize] = true);
         let leaves = |t: u32| {
@@ -230,7 +235,7 @@ impl Maker<'_> {
     }
 
     /// The chart of a ring, and the longitude at which its far rim begins.
-    fn ring(
+    pub fn ring(
         &self,
         harmonic: &Harmonic,
         ends: [&Rim; 2],
@@ -285,7 +290,7 @@ impl Maker<'_> {
 
     /// By the better of two ways: levels of what flows from the rim to a pole suit what is long away from its rim, a membrane
     /// in a round frame what is long along it. The pole is in the middle, or at a tip of the surface.
-    fn disc(
+    pub fn disc(
         &self,
         harmonic: &Harmonic,
         rim: &Rim,
@@ -334,7 +339,7 @@ impl Maker<'_> {
 
     /// Where the chart is stretched, weights are made smaller and it is made again, as long as that helps (Yoshizawa, Belyaev &
     /// Seidel, *A fast and simple stretch-minimizing mesh parameterization*, 2004): a horn gets its share of the chart.
-    fn eased(
+    pub fn eased(
         &self,
         harmonic: &Harmonic,
         first: Chart,
@@ -441,7 +446,7 @@ impl Maker<'_> {
             let along_x = ((b - a) * y2 - (c - a) * y1) / det;
             let along_y = ((c - a) * x1 - (b - a) * x2) / det;
             let (round, out) = match self.kind {
-                Kind::Ring => (along_x, along_y),
+                Kind::Ring | Kind::Patch => (along_x, along_y),
                 Kind::First | Kind::Last => {
                     let middle = [0, 1].map(|d| (p[d] + q[d] + r[d]) / 3.0);
                     let radius = libm::hypot(middle[0], middle[1]).max(1e-12);
@@ -492,7 +497,7 @@ impl Maker<'_> {
         steps: &[f64],
         pole: Option<u32>,
     ) -> Chart {
-        let disc = self.kind != Kind::Ring;
+        let disc = matches!(self.kind, Kind::First | Kind::Last);
         let strip = |&t: &u32| {
             let corners = self.fine.triangles[t as usize].map(|c| levels[c as usize]);
             let [a, b, c] = self.fine.rest(t as usize);
@@ -521,7 +526,7 @@ impl Maker<'_> {
             let from_rim = from_rim(corner);
             match self.kind {
                 Kind::First => 1.0 - from_rim,
-                Kind::Ring | Kind::Last => from_rim,
+                Kind::Ring | Kind::Last | Kind::Patch => from_rim,
             }
         };
         let mut corners = Vec::new();
@@ -557,13 +562,7 @@ impl Maker<'_> {
             }
         };
         let laid: Vec<Laid> = self.triangles.iter().map(lay).collect();
-        Chart {
-            kind: self.kind,
-            length_m: lengths.length_m,
-            corners,
-            bins: Bins::new(&laid, disc),
-            laid,
-        }
+        Chart::of(self.kind, lengths.length_m, corners, laid)
     }
 }
 
@@ -622,10 +621,35 @@ impl Bins {
 }
 
 impl Chart {
+    /// Of triangles that are laid out.
+    pub fn of(kind: Kind, length_m: f64, corners: Vec<(u32, [f64; 2])>, laid: Vec<Laid>) -> Self {
+        let disc = matches!(kind, Kind::First | Kind::Last);
+        Self {
+            kind,
+            length_m,
+            corners,
+            bins: Bins::new(&laid, disc),
+            laid,
+        }
+    }
+
+    /// The place of the piece at a longitude and a share of the length.
+    pub fn corner(&self, fine: &Fine, sheets: &mut Sheets<'_>, [turn, share]: [f64; 2]) -> Corner {
+        let (triangle, weights) = self.find(turn, share);
+        let corners = fine.triangles[triangle as usize].map(|c| fine.corners[c as usize]);
+        let lies = match fine.caps[triangle as usize] {
+            Some(_) => Lies::Cap,
+            None => Lies::Skin,
+        };
+        let [a, b, c] = [0, 1, 2].map(|k| (corners[k], weights[k]));
+        sheets.between(&[a, b, c], lies)
+    }
+
     /// The triangle at a longitude and a share of the length, and the weights of its corners.
-    pub fn find(&self, turn: f64, share: f64) -> (u32, [f64; 3]) {
+    fn find(&self, turn: f64, share: f64) -> (u32, [f64; 3]) {
         let place = match self.kind {
             Kind::Ring => [turn - turn.floor(), share],
+            Kind::Patch => [turn, share],
             Kind::First => polar(turn, share),
             Kind::Last => polar(turn, 1.0 - share),
         };

@@ -1,16 +1,18 @@
-//! Even triangles of a piece's whole boundary, which know where they are at rest.
+//! Even triangles of a piece's whole boundary, or of the piece of a sheet, which know where they are at rest.
 
-use super::PieceSkinError;
+use super::error::PieceSkinError;
 use crate::basis::Side as KnotSide;
 use crate::cut::grid::Grid;
 use crate::cut::{Cut, Origin};
-use crate::math::{Point3, Vector3};
+use crate::math::{MOST_COORDINATE_M, Point3, Vector3};
 use crate::part::Fineness;
 use crate::surface::Surface;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Of the size: how far the first triangles may be from the surface; coarse ones may cross where finer ones do not.
 const TOLERANCES: [f64; 3] = [1.5e-2, 4e-3, 1e-3];
+/// Of the root of the area: the shortest and the longest edges that are asked for.
+pub(super) const EDGES: [f64; 2] = [1.0 / 50.0, 1.0 / 14.0];
 /// Halvings of edges, rounds.
 const MOST_ROUNDS: usize = 12;
 /// Triangles at most.
@@ -20,8 +22,9 @@ const LOOKS: usize = 16;
 const SHARP: f64 = 0.95;
 /// Of the way to the middle: where normals about a pole are looked at.
 const BESIDE: f64 = 1e-3;
-/// Of a parameter's range: how near to a pole a place is at it.
+/// Of a parameter's range: how near to a pole or a border a place is at it.
 const AT_POLE: f64 = 1e-9;
+const AT_BORDER: f64 = 1e-7;
 
 /// The surfaces that a place of a cut is put on.
 pub(super) struct Sheets<'a> {
@@ -49,6 +52,15 @@ pub(super) enum Lies {
     Rim,
     /// Along an edge that the surface has.
     Crease,
+    /// Along the border of an open surface.
+    Border,
+}
+
+impl Lies {
+    /// Faces end there.
+    fn is_outer(self) -> bool {
+        matches!(self, Self::Rim | Self::Crease | Self::Border)
+    }
 }
 
 /// Triangles of a piece's boundary.
@@ -69,15 +81,15 @@ struct Creases {
 }
 
 impl Creases {
-    /// Those of the surface at rest.
-    fn of(sheets: &Sheets<'_>) -> Self {
+    /// Those of the surface at rest; none of sheets, which have no edges of former caps.
+    fn of(sheets: &Sheets<'_>, closed: bool) -> Self {
         let (grid, rest) = (sheets.grid(), sheets.rest);
         let round = (0..2).find(|&d| grid.wraps[1 - d] && !grid.wraps[d]);
         let mut creases = Self {
             direction: round.unwrap_or(0),
             values: Vec::new(),
         };
-        if round.is_some() {
+        if closed && round.is_some() {
             let knots = [rest.knots_u(), rest.knots_v()][creases.direction];
             let around = [rest.knots_v(), rest.knots_u()][creases.direction];
             let inner = knots.spans().map(|k| knots.knots()[k]).skip(1);
@@ -116,6 +128,44 @@ fn is_sharp(surface: &Surface, direction: usize, value: f64, (start, end): (f64,
         });
         a.dot(&b) < SHARP * a.norm() * b.norm()
     })
+}
+
+impl Cut {
+    /// There is such a piece, and the surface at rest is the one that was cut but for where it is.
+    pub(super) fn check_rest(&self, piece: usize, rest: &Surface) -> Result<(), PieceSkinError> {
+        let own = &self.surface;
+        let same = rest.knots_u() == own.knots_u()
+            && rest.knots_v() == own.knots_v()
+            && rest.net().points().len() == own.net().points().len()
+            && rest.topology() == own.topology();
+        if piece >= self.pieces.len() {
+            return Err(PieceSkinError::Piece {
+                piece,
+                count: self.pieces.len(),
+            });
+        }
+        match same {
+            true => Ok(()),
+            false => Err(PieceSkinError::Rest),
+        }
+    }
+}
+
+impl<'a> Sheets<'a> {
+    /// Of a cut, with the same surface at rest.
+    pub fn new(
+        cut: &'a Cut,
+        rest: &'a Surface,
+        matter: &'a mut dyn FnMut(&Point3) -> Point3,
+    ) -> Self {
+        let own = &cut.surface;
+        let still = rest.net() == own.net() && rest.weights() == own.weights();
+        Self {
+            cut,
+            rest: if still { own } else { rest },
+            matter,
+        }
+    }
 }
 
 impl Sheets<'_> {
@@ -233,6 +283,38 @@ impl Sheets<'_> {
         self.on_skin(best.1)
     }
 
+    /// The sides of the domain that a place is on, by direction: 0 at its start, 1 at its end. Only those that are borders.
+    fn borders(&self, uv: [f64; 2]) -> [Option<usize>; 2] {
+        let grid = self.grid();
+        [0, 1].map(|d| {
+            let ends = [grid.parameter(d, 0), grid.parameter(d, grid.end(d))];
+            let near = AT_BORDER * (ends[1] - ends[0]);
+            let open = |end: &usize| !grid.wraps[d] && !grid.poles[d][*end];
+            (0..2)
+                .filter(open)
+                .find(|&end| (uv[d] - ends[end]).abs() <= near)
+        })
+    }
+
+    /// A place of the skin, on the border if it is as good as there.
+    fn at_border(&self, mut uv: [f64; 2]) -> Corner {
+        let grid = self.grid();
+        for (d, end) in self.borders(uv).into_iter().enumerate() {
+            match end {
+                Some(0) => uv[d] = grid.parameter(d, 0),
+                Some(_) => uv[d] = grid.parameter(d, grid.end(d)),
+                None => {}
+            }
+        }
+        self.on_skin(uv)
+    }
+
+    /// Whether an edge on one side of which there is nothing is of the border, or else of the cut.
+    fn is_border(&self, ends: [[f64; 2]; 2]) -> bool {
+        let [a, b] = ends.map(|uv| self.borders(uv));
+        (0..2).any(|d| a[d].is_some() && a[d] == b[d])
+    }
+
     /// A place within a cap.
     pub fn on_cap(&mut self, cut: Point3) -> Corner {
         Corner {
@@ -254,6 +336,7 @@ impl Sheets<'_> {
         };
         match lies {
             Lies::Skin | Lies::Crease => self.on_skin(mean(self)),
+            Lies::Border => self.at_border(mean(self)),
             Lies::Rim => self.on_rim(mean(self)),
             Lies::Cap => {
                 let sum: Vector3 = places.iter().map(|(c, share)| c.cut.coords * *share).sum();
@@ -287,7 +370,7 @@ impl Fine {
         }
         let made = made?;
         let corner = |(point, origin): (&Point3, &Origin)| match *origin {
-            Origin::Skin { u, v } => sheets.on_skin([u, v]),
+            Origin::Skin { u, v } => sheets.at_border([u, v]),
             Origin::Cap => sheets.on_cap(*point),
         };
         let corners = made.mesh.points.iter().zip(&made.origins).map(corner);
@@ -295,18 +378,20 @@ impl Fine {
             corners: corners.collect(),
             triangles: made.mesh.triangles,
             caps: made.caps,
-            creases: Creases::of(sheets),
+            creases: Creases::of(sheets, cut.closed),
         };
-        for (edge, lies) in fine.edges() {
-            if lies == Lies::Rim {
-                for k in edge {
-                    if let Origin::Skin { u, v } = fine.corners[k as usize].origin {
-                        fine.corners[k as usize] = sheets.on_rim([u, v]);
-                    }
+        for (edge, lies) in fine.edges(sheets) {
+            for k in edge.into_iter().filter(|_| lies == Lies::Rim) {
+                if let Origin::Skin { u, v } = fine.corners[k as usize].origin
+                    && sheets.borders([u, v]) == [None; 2]
+                {
+                    fine.corners[k as usize] = sheets.on_rim([u, v]);
                 }
             }
         }
-        fine.divide_at_creases(sheets);
+        if cut.closed {
+            fine.divide_at_creases(sheets);
+        }
         let longest_m = edge * libm::sqrt(fine.area_m2());
         fine.refine(sheets, longest_m)?;
         Ok(fine)
@@ -345,7 +430,7 @@ impl Fine {
 
     /// Divides triangles of the skin along the creases that no rim meets; of others nothing is known from here on.
     fn divide_at_creases(&mut self, sheets: &mut Sheets<'_>) {
-        let edges = self.edges();
+        let edges = self.edges(sheets);
         let direction = self.creases.direction;
         for (ends, lies) in &edges {
             let places = ends.map(|k| self.uv(k).map(|uv| uv[direction]));
@@ -356,7 +441,7 @@ impl Fine {
         self.snap(sheets);
         for _ in 0..MOST_ROUNDS {
             let mut middles: BTreeMap<[u32; 2], u32> = BTreeMap::new();
-            for (ends, lies) in self.edges() {
+            for (ends, lies) in self.edges(sheets) {
                 let (false, [Some(a), Some(b)]) = (lies == Lies::Cap, ends.map(|k| self.uv(k)))
                 else {
                     continue;
@@ -400,7 +485,7 @@ impl Fine {
     }
 
     /// Each edge once, with what it runs through.
-    fn edges(&self) -> BTreeMap<[u32; 2], Lies> {
+    fn edges(&self, sheets: &Sheets<'_>) -> BTreeMap<[u32; 2], Lies> {
         let mut seen: Vec<([u32; 2], bool, u32)> = Vec::with_capacity(3 * self.triangles.len());
         for (t, &[a, b, c]) in self.triangles.iter().enumerate() {
             let label = self.label(t);
@@ -412,6 +497,7 @@ impl Fine {
         let lies = |group: &[([u32; 2], bool, u32)]| {
             let caps = group.iter().filter(|side| side.1).count();
             let lies = match caps {
+                0 if group.len() == 1 => self.outer(sheets, group[0].0),
                 0 if group[0].2 != group[group.len() - 1].2 => Lies::Crease,
                 0 => Lies::Skin,
                 n if n == group.len() => Lies::Cap,
@@ -422,13 +508,22 @@ impl Fine {
         seen.chunk_by(|a, b| a.0 == b.0).map(lies).collect()
     }
 
+    /// What an edge of one triangle runs along.
+    pub fn outer(&self, sheets: &Sheets<'_>, ends: [u32; 2]) -> Lies {
+        let places = ends.map(|k| self.uv(k).unwrap_or([f64::NAN; 2]));
+        match sheets.is_border(places) {
+            true => Lies::Border,
+            false => Lies::Rim,
+        }
+    }
+
     /// Halves edges that are too long, and those that leave no corner between two places of rims.
     fn refine(&mut self, sheets: &mut Sheets<'_>, longest_m: f64) -> Result<(), PieceSkinError> {
         for _ in 0..MOST_ROUNDS {
-            let edges = self.edges();
+            let edges = self.edges(sheets);
             let mut on_rim = vec![false; self.corners.len()];
             for ([p, q], lies) in &edges {
-                if matches!(lies, Lies::Rim | Lies::Crease) {
+                if lies.is_outer() {
                     on_rim[*p as usize] = true;
                     on_rim[*q as usize] = true;
                 }
@@ -461,7 +556,7 @@ impl Fine {
         let mut alone = BTreeSet::new();
         for &[a, b, c] in &self.triangles {
             let own = [(a, b), (b, c), (c, a)].map(|(p, q)| [p.min(q), p.max(q)]);
-            let outer = |edge| matches!(edges.get(edge), Some(Lies::Rim | Lies::Crease));
+            let outer = |edge| edges.get(edge).is_some_and(|lies| lies.is_outer());
             if own.iter().all(outer) {
                 alone.extend(own);
             }
@@ -507,5 +602,18 @@ impl Fine {
             }
             [Some(x), None, None] => into.extend([[a, x, c], [x, b, c]]),
         }
+    }
+}
+
+/// All can be calculated with.
+pub(super) fn finite(corners: &[Corner]) -> Result<(), PieceSkinError> {
+    let good = |p: &Point3| p.iter().all(|x| x.abs() <= MOST_COORDINATE_M);
+    match corners.iter().find(|corner| !good(&corner.rest)) {
+        Some(Corner { rest, .. }) => Err(PieceSkinError::NotFinite {
+            x: rest.x,
+            y: rest.y,
+            z: rest.z,
+        }),
+        None => Ok(()),
     }
 }

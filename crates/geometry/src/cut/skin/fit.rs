@@ -7,15 +7,19 @@ use crate::surface::{ControlNet, LineFit, Surface, SurfaceError};
 /// Spans beside poles and rims, in others: rows of control points crowd there, less so where spans are longer.
 const END_SPAN: f64 = 1.5;
 /// Samples of a span.
-const SAMPLES: usize = 3;
+pub(super) const SAMPLES: usize = 3;
 /// Lines of samples for each control point around.
-const LINES: usize = 2;
+pub(super) const LINES: usize = 2;
 /// Places in each direction from which a foot is looked for, and how far apart in v the farthest are.
 const AROUND: usize = 8;
 const BESIDE: f64 = 0.2;
 /// Of the cubics.
-const DEGREE: usize = 3;
+pub(super) const DEGREE: usize = 3;
 
+/// Control points that a net has at least, around and from pole to pole: a disc on each side of a rim.
+pub const LEAST_COUNTS: [usize; 2] = [4, 2 * LEAST_STEPS + 1];
+/// Control points at most.
+pub(super) const MOST_POINTS: usize = 1 << 16;
 /// Steps from row to row of control points in a section: three spans' worth at least is one Bézier piece.
 pub(super) const LEAST_STEPS: usize = DEGREE;
 
@@ -152,7 +156,7 @@ fn apportioned(all: usize, lengths: &[f64]) -> Vec<usize> {
 }
 
 /// Ends of spans from 0 to 1.
-fn places(spans: usize) -> Vec<f64> {
+pub(super) fn places(spans: usize) -> Vec<f64> {
     let width = |k: usize| match spans > 2 && (k == 0 || k + 1 == spans) {
         true => END_SPAN,
         false => 1.0,
@@ -191,7 +195,7 @@ pub(super) fn farther(surface: &Surface, at: [f64; 2], point: &Point3, known: f6
 fn distance(surface: &Surface, mut at: [f64; 2], point: &Point3) -> f64 {
     let mut best = f64::INFINITY;
     for _ in 0..4 {
-        let frame = surface.frame(at[0] - at[0].floor(), at[1]);
+        let frame = surface.frame(surface.knots_u().confine(at[0]), at[1]);
         let off = point - frame.point;
         let length = off.norm();
         if length.is_nan() || length >= best {
@@ -206,6 +210,9 @@ fn distance(surface: &Surface, mut at: [f64; 2], point: &Point3) -> f64 {
         }
         let (x, y) = (a.dot(&off), b.dot(&off));
         at[0] += (bb * x - ab * y) / det;
+        if !surface.knots_u().is_periodic() {
+            at[0] = at[0].clamp(0.0, 1.0);
+        }
         at[1] = (at[1] + (aa * y - ab * x) / det).clamp(0.0, 1.0);
     }
     best

@@ -3,7 +3,7 @@
 //! The faces of a closed boundary without handles and the rims between them are a tree. A path in it is the chain; what
 //! hangs on a face of the path goes with it, so that the first and the last section are discs, those between them rings.
 
-use super::PieceSkinError;
+use super::error::PieceSkinError;
 use super::fine::{Fine, Lies};
 
 /// Of the whole area: smaller sections are no sections of their own, if there are others.
@@ -14,6 +14,7 @@ const LEAST_SHARE: f64 = 4e-3;
 pub(super) struct Edge {
     /// Numbers of its corners, the smaller one first.
     pub ends: [u32; 2],
+    /// Of an outer edge of a sheet, the same twice.
     pub sides: [(u32, u8); 2],
 }
 
@@ -27,6 +28,31 @@ pub(super) struct Net {
 impl Net {
     /// Of a closed boundary of one part without handles.
     pub fn new(fine: &Fine) -> Result<Self, PieceSkinError> {
+        let net = Self::joined(fine, false)?;
+        match net.shape(fine) {
+            (1, 2) => Ok(net),
+            (1, euler) if euler < 2 && euler % 2 == 0 => Err(PieceSkinError::Handles {
+                handles: ((2 - euler) / 2) as usize,
+            }),
+            _ => Err(PieceSkinError::Pinched),
+        }
+    }
+
+    /// Of a sheet, whose outer edges have their triangle on both sides.
+    pub fn open(fine: &Fine) -> Result<Self, PieceSkinError> {
+        Self::joined(fine, true)
+    }
+
+    /// How many parts there are, and corners − edges + triangles.
+    pub fn shape(&self, fine: &Fine) -> (usize, i64) {
+        let mut used = vec![false; fine.corners.len()];
+        (fine.triangles.iter().flatten()).for_each(|&k| used[k as usize] = true);
+        let corners = used.iter().filter(|used| **used).count();
+        let euler = corners as i64 - self.edges.len() as i64 + fine.triangles.len() as i64;
+        (self.parts(|_| true).1, euler)
+    }
+
+    fn joined(fine: &Fine, open: bool) -> Result<Self, PieceSkinError> {
         let mut halves: Vec<([u32; 2], u32, u8)> = Vec::with_capacity(3 * fine.triangles.len());
         for (t, corners) in fine.triangles.iter().enumerate() {
             for k in 0..3 {
@@ -40,33 +66,21 @@ impl Net {
             of: vec![[0; 3]; fine.triangles.len()],
         };
         for group in halves.chunk_by(|a, b| a.0 == b.0) {
-            let &[(ends, t, k), (_, other, l)] = group else {
-                return Err(PieceSkinError::Pinched);
+            let (ends, sides) = match *group {
+                [(ends, t, k), (_, other, l)] => (ends, [(t, k), (other, l)]),
+                [(ends, t, k)] if open => (ends, [(t, k); 2]),
+                _ => return Err(PieceSkinError::Pinched),
             };
-            let starts = [(t, k), (other, l)].map(|(t, k)| fine.triangles[t as usize][k as usize]);
-            if starts[0] == starts[1] {
+            let starts = sides.map(|(t, k)| fine.triangles[t as usize][k as usize]);
+            if starts[0] == starts[1] && sides[0] != sides[1] {
                 return Err(PieceSkinError::Pinched);
             }
-            for (t, k) in [(t, k), (other, l)] {
+            for (t, k) in sides {
                 net.of[t as usize][k as usize] = net.edges.len() as u32;
             }
-            net.edges.push(Edge {
-                ends,
-                sides: [(t, k), (other, l)],
-            });
+            net.edges.push(Edge { ends, sides });
         }
-        let mut used = vec![false; fine.corners.len()];
-        (fine.triangles.iter().flatten()).for_each(|&k| used[k as usize] = true);
-        let corners = used.iter().filter(|used| **used).count();
-        let euler = corners as i64 - net.edges.len() as i64 + fine.triangles.len() as i64;
-        let (_, parts) = net.parts(|_| true);
-        match (parts, euler) {
-            (1, 2) => Ok(net),
-            (1, euler) if euler < 2 && euler % 2 == 0 => Err(PieceSkinError::Handles {
-                handles: ((2 - euler) / 2) as usize,
-            }),
-            _ => Err(PieceSkinError::Pinched),
-        }
+        Ok(net)
     }
 
     /// The triangle across an edge of a triangle.
@@ -167,7 +181,7 @@ impl Sections {
 }
 
 impl Rim {
-    fn turn(&mut self) {
+    pub fn turn(&mut self) {
         self.faces.swap(0, 1);
         // The edge of a corner is that to the next one.
         self.corners.reverse();

@@ -4,7 +4,7 @@ use super::{Inputs, Make, Model, common, fixed};
 use crate::body::{Sheet, coordinates_of_surface};
 use crate::scene::BodyModel;
 use palpate_geometry::math::Point3;
-use palpate_geometry::surface::{Closing, Surface};
+use palpate_geometry::surface::Surface;
 
 pub(super) struct Membrane;
 
@@ -38,11 +38,7 @@ fn parts<'s>(body: &'s Inputs<'_>, surface: &Surface, thickness_m: f64) -> Optio
         coordinates[coordinate as usize] = *point;
     }
     let fixed = fixed::fixed(body, surface, &coordinates, &of_control, None);
-    let wraps = surface
-        .topology()
-        .closing
-        .map(|closing| closing == Closing::Periodic);
-    let sheet = Sheet::of(surface, wraps, &of_control);
+    let sheet = Sheet::of_surface(surface, &of_control);
     let points = points.to_vec();
     Some(Box::new(move |settings| {
         crate::body::membrane(
