@@ -59,15 +59,9 @@ impl CellGrid {
         self.gauss_determinants(cell).iter().map(|d| d / 8.0).sum()
     }
 
-    /// Determinant of the trilinear map's Jacobian at the 2 × 2 × 2 Gauss points, m³; the cell is
-    /// one unit wide.
+    /// [`gauss_determinants`] of a cell.
     pub fn gauss_determinants(&self, cell: &Cell) -> [f64; 8] {
-        let mut determinants = [0.0; 8];
-        for (k, determinant) in determinants.iter_mut().enumerate() {
-            let [a, b, c] = [GAUSS[k >> 2], GAUSS[(k >> 1) & 1], GAUSS[k & 1]];
-            *determinant = self.jacobian(cell, a, b, c).determinant();
-        }
-        determinants
+        gauss_determinants(&cell.map(|node| self.nodes[node as usize]))
     }
 
     /// The same cells, all turned over if together they are left-handed.
@@ -87,24 +81,35 @@ impl CellGrid {
         }
         self
     }
+}
 
-    /// Columns ∂x/∂a, ∂x/∂b, ∂x/∂c at (a, b, c) in [0, 1]³.
-    fn jacobian(&self, cell: &Cell, a: f64, b: f64, c: f64) -> Matrix3 {
-        let mut columns = [Vector3::zeros(); 3];
-        for (corner, &node) in cell.iter().enumerate() {
-            let x = self.nodes[node as usize].coords;
-            let at = |bit: usize, t: f64| {
-                if corner & bit != 0 {
-                    (t, 1.0)
-                } else {
-                    (1.0 - t, -1.0)
-                }
-            };
-            let ((fa, da), (fb, db), (fc, dc)) = (at(4, a), at(2, b), at(1, c));
-            columns[0] += x * (da * fb * fc);
-            columns[1] += x * (fa * db * fc);
-            columns[2] += x * (fa * fb * dc);
-        }
-        Matrix3::from_columns(&columns)
+/// Determinant of the trilinear map's Jacobian at the 2 × 2 × 2 Gauss points, m³, of a cell with these corners; the cell is
+/// one unit wide.
+pub fn gauss_determinants(corners: &[Point3; 8]) -> [f64; 8] {
+    let mut determinants = [0.0; 8];
+    for (k, determinant) in determinants.iter_mut().enumerate() {
+        let [a, b, c] = [GAUSS[k >> 2], GAUSS[(k >> 1) & 1], GAUSS[k & 1]];
+        *determinant = jacobian(corners, a, b, c).determinant();
     }
+    determinants
+}
+
+/// Columns ∂x/∂a, ∂x/∂b, ∂x/∂c at (a, b, c) in [0, 1]³.
+fn jacobian(corners: &[Point3; 8], a: f64, b: f64, c: f64) -> Matrix3 {
+    let mut columns = [Vector3::zeros(); 3];
+    for (corner, point) in corners.iter().enumerate() {
+        let x = point.coords;
+        let at = |bit: usize, t: f64| {
+            if corner & bit != 0 {
+                (t, 1.0)
+            } else {
+                (1.0 - t, -1.0)
+            }
+        };
+        let ((fa, da), (fb, db), (fc, dc)) = (at(4, a), at(2, b), at(1, c));
+        columns[0] += x * (da * fb * fc);
+        columns[1] += x * (fa * db * fc);
+        columns[2] += x * (fa * fb * dc);
+    }
+    Matrix3::from_columns(&columns)
 }

@@ -3,17 +3,20 @@
 //!
 //! Both bodies stand in the world at rest, so that the same place is the same matter. A coordinate at X goes to
 //! X + Σ w (x − X_w), with the shares w of the cell that holds X, which gives any affine motion exactly; so do velocities.
+//! Control points do so that the skin moves as it did: [`super::skin_motion`].
 
 use super::bins::Bins;
 use super::deformable::Deformable;
 use super::elements::continuum::{CellCarry, SpringCarry};
 use super::elements::spring_table::SpringTable;
 use super::matter::Matter;
-use super::node_map::{NodeMap, SparseRows};
+use super::node_map::SparseRows;
 use super::plastic::Flow;
+use super::skin_motion::{ByCells, SkinMotion, by_cells};
 use super::state::DeformableState;
 use super::tetrahedra::Tetrahedra;
 use palpate_geometry::math::{Point3, Vector3};
+use palpate_geometry::surface::Surface;
 
 /// Springs within this of each other, relative to the mean length of those that are carried over, are of the same matter.
 const NEAR: f64 = 1.5;
@@ -27,6 +30,8 @@ const ALONG: i32 = 8;
 pub struct Transfer {
     /// (coordinates of the piece) × (coordinates of the body).
     places: SparseRows,
+    /// Of those of the net, and of those inside with them.
+    skin: Option<SkinMotion>,
     flow: Option<FlowCarry>,
 }
 
@@ -41,24 +46,15 @@ enum FlowCarry {
 }
 
 impl Transfer {
-    /// `None` where the body has no cells, or not of the piece's kind.
-    pub fn new(body: &Deformable, piece: &Deformable) -> Option<Self> {
+    /// From a body and a piece, and their surfaces at rest. `None` where the body has no cells, or not of the piece's kind.
+    pub fn new(
+        body: &Deformable,
+        piece: &Deformable,
+        surfaces: Option<[&Surface; 2]>,
+    ) -> Option<Self> {
         let (old, new) = (body.matter(), piece.matter());
         let nodes = old.map.nodes(&old.rest);
         let cells = Tetrahedra::new(&old.cells, &nodes)?;
-        let row = |place: &Point3| {
-            let mut row = Vec::new();
-            for (node, share) in cells.shares(place) {
-                match &old.map {
-                    NodeMap::Same => row.push((node, share)),
-                    NodeMap::Sparse(map) => {
-                        let (columns, weights) = map.row(node as usize);
-                        row.extend(columns.iter().zip(weights).map(|(&c, w)| (c, w * share)));
-                    }
-                }
-            }
-            row
-        };
         let flow = match (&old.flow, &new.flow) {
             (Some(Flow::Springs(_)), Some(Flow::Springs(_))) => {
                 Some(FlowCarry::Springs(springs(old, new)))
@@ -75,7 +71,8 @@ impl Transfer {
             _ => None,
         };
         Some(Self {
-            places: SparseRows::new(new.rest.iter().map(row)),
+            places: SparseRows::new(new.rest.iter().map(|place| by_cells(&cells, old, place))),
+            skin: surfaces.and_then(|surfaces| SkinMotion::new([body, piece], surfaces, &cells)),
             flow,
         })
     }
@@ -95,18 +92,19 @@ impl Transfer {
             body.rest.len(),
             "a state of another body"
         );
-        for c in 0..piece.rest.len() {
-            let (columns, weights) = self.places.row(c);
-            let (mut moved, mut velocity) = (Vector3::zeros(), Vector3::zeros());
-            for (&from, &weight) in columns.iter().zip(weights) {
-                let from = from as usize;
-                moved += (old.positions[from] - body.rest[from]) * weight;
-                velocity += old.velocities[from] * weight;
-            }
-            if piece.unknown(c).is_some() {
-                new.positions[c] = piece.rest[c] + moved;
-                new.velocities[c] = velocity;
-            }
+        let by_cells = ByCells {
+            places: &self.places,
+            body,
+            old,
+        };
+        for &c in &piece.coordinate_of_unknown {
+            let c = c as usize;
+            let [moved, velocity] = by_cells.motion(&self.places, c);
+            new.positions[c] = piece.rest[c] + moved;
+            new.velocities[c] = velocity;
+        }
+        if let Some(skin) = &self.skin {
+            skin.carry(piece, &by_cells, new);
         }
         match &self.flow {
             Some(FlowCarry::Springs(rows)) => carry_springs(rows, [body, piece], old, new),

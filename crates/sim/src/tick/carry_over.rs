@@ -23,7 +23,11 @@ impl CarryOver {
     pub fn new(old: &Scene, new: &Scene, origins: Vec<Origin>) -> Self {
         debug_assert_eq!(origins.len(), new.bodies.len(), "an origin a body");
         let transfer = |(body, origin): (usize, &Origin)| match *origin {
-            Origin::Piece { from } => Transfer::new(old.deformable(from)?, new.deformable(body)?),
+            Origin::Piece { from } => {
+                let surfaces = old.rest_surface(from).zip(new.rest_surface(body));
+                let surfaces = surfaces.map(|(old, new)| [old, new]);
+                Transfer::new(old.deformable(from)?, new.deformable(body)?, surfaces)
+            }
             Origin::Kept { .. } | Origin::New => None,
         };
         let transfers = origins.iter().enumerate().map(transfer).collect();
