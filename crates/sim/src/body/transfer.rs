@@ -3,7 +3,7 @@
 //!
 //! Both bodies stand in the world at rest, so that the same place is the same matter. A coordinate at X goes to
 //! X + Σ w (x − X_w), with the shares w of the cell that holds X, which gives any affine motion exactly; so do velocities.
-//! Control points do so that the skin moves as it did: [`super::skin_motion`].
+//! Control points of a body without flow are moved so that the skin moves as it did: [`super::skin_motion`].
 
 use super::bins::Bins;
 use super::deformable::Deformable;
@@ -70,6 +70,8 @@ impl Transfer {
             }
             _ => None,
         };
+        // What has flowed is as smooth as what cells take over, and its skin would spring back to that.
+        let surfaces = surfaces.filter(|_| flow.is_none());
         Some(Self {
             places: SparseRows::new(new.rest.iter().map(|place| by_cells(&cells, old, place))),
             skin: surfaces.and_then(|surfaces| SkinMotion::new([body, piece], surfaces, &cells)),
@@ -230,5 +232,72 @@ impl Deformed {
                 .map(|(node, share)| self.rest[node as usize].coords * share)
                 .sum::<Vector3>(),
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::through_skin::tests::egg;
+    use super::*;
+    use crate::scene::{Scene, file};
+    use palpate_geometry::basis::KnotVector;
+    use palpate_geometry::math::Random;
+    use std::path::Path;
+
+    fn scene(model: &str) -> Scene {
+        let surface = egg();
+        let net = surface.net();
+        let rows: Vec<Vec<[f64; 3]>> = (net.points().chunks(net.columns()))
+            .map(|row| row.iter().map(|p| p.coords.into()).collect())
+            .collect();
+        let [u, v] = [surface.knots_u(), surface.knots_v()].map(KnotVector::file_knots);
+        let text = format!(
+            "[[body]]\nid = \"egg\"\nmodel = \"{model}\"\nlattice = {{ refine = \"none\" }}\n[body.surface.inline]\n\
+             format = \"palpate.surface.v1\"\nunit = \"m\"\ndegree = [3, 3]\nperiodic = [true, false]\n\
+             knots = [{u:?}, {v:?}]\npoints = {rows:?}\n"
+        );
+        let loaded = file::parse(&text, "scene.toml", Path::new(".")).unwrap();
+        loaded.build().unwrap()
+    }
+
+    /// A body moved at random by up to a length and a speed, and what a body like it takes over from it.
+    fn taken_over(model: &str, most_m: f64) -> [DeformableState; 2] {
+        let scene = scene(model);
+        let (body, surface) = (scene.deformable(0).unwrap(), scene.rest_surface(0).unwrap());
+        let transfer = Transfer::new(body, body, Some([surface; 2])).unwrap();
+        assert!(transfer.skin.is_some(), "{model}");
+        let (mut old, mut new) = (body.rest_state(), body.rest_state());
+        let mut random = Random(5);
+        let mut next = || random.vector() * most_m;
+        old.positions.iter_mut().for_each(|p| *p += next());
+        old.velocities.iter_mut().for_each(|v| *v = next());
+        transfer.carry([body, body], &old, &mut new);
+        [old, new]
+    }
+
+    // A piece that is the whole body, with its surface: nothing changes but for rounding, and that of closest points.
+    #[test]
+    fn a_body_takes_itself_over() {
+        for model in ["lattice", "continuum", "net"] {
+            let [old, new] = taken_over(model, 1e-4);
+            let places = old.positions.iter().zip(&new.positions);
+            let off = places.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+            let speeds = old.velocities.iter().zip(&new.velocities);
+            let faster = speeds.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+            println!("{model}: {off:e} m, {faster:e} m/s");
+            assert!(
+                off < 1e-12 && faster < 1e-12,
+                "{model}: {off:e} m, {faster:e} m/s"
+            );
+        }
+    }
+
+    // Cells that are turned over already stay as they are in the body.
+    #[test]
+    fn a_body_with_cells_turned_over_takes_itself_over() {
+        let [old, new] = taken_over("lattice", 1e-2);
+        let places = old.positions.iter().zip(&new.positions);
+        let off = places.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+        assert!(off < 1e-10, "{off:e} m");
     }
 }
