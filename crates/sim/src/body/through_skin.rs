@@ -202,7 +202,7 @@ fn factors(knots: &KnotVector) -> Option<SparseRows> {
     for k in 0..count {
         let (above, below) = rows.split_at_mut(k + 1);
         let pivot = above[k][k];
-        if !(pivot >= LEAST_PIVOT) {
+        if pivot.is_nan() || pivot < LEAST_PIVOT {
             return None;
         }
         for row in below.iter_mut().filter(|row| row[k] != 0.0) {
