@@ -94,6 +94,11 @@ pub fn gauss_determinants(corners: &[Point3; 8]) -> [f64; 8] {
     determinants
 }
 
+/// Determinant of the trilinear map's Jacobian in the middle, m³, of a cell with these corners.
+pub fn middle_determinant(corners: &[Point3; 8]) -> f64 {
+    jacobian(corners, 0.5, 0.5, 0.5).determinant()
+}
+
 /// Columns ∂x/∂a, ∂x/∂b, ∂x/∂c at (a, b, c) in [0, 1]³.
 fn jacobian(corners: &[Point3; 8], a: f64, b: f64, c: f64) -> Matrix3 {
     let mut columns = [Vector3::zeros(); 3];

@@ -6,7 +6,7 @@
 //! A control point is no matter: it lies beside the skin, which moves less than it. So the motion is looked up at places on the
 //! skin, and the control points are those whose skin moves so.
 
-use super::cells::{Cell, EDGES, gauss_determinants};
+use super::cells::{Cell, EDGES, gauss_determinants, middle_determinant};
 use super::deformable::Deformable;
 use super::matter::Matter;
 use super::node_map::{NodeMap, SparseRows};
@@ -23,6 +23,8 @@ const SAME: f64 = 1e-9;
 /// where cells take them; so often at most, and the last time all the way.
 const LEAST_SHARE: f64 = 0.2;
 const MOST_HALVINGS: usize = 5;
+/// A cell with this share of its volume in its middle is not looked at any closer.
+const ENOUGH: f64 = 0.6;
 
 /// What the coordinates of the net of a piece take over, and those inside with them.
 #[derive(Debug)]
@@ -34,6 +36,8 @@ pub(super) struct SkinMotion {
     through: ThroughSkin,
     /// (coordinates of the piece) × (coordinates of the piece): how those inside follow the net.
     inwards: SparseRows,
+    /// (cells of the piece): determinants in the middle at rest.
+    middles_m3: Vec<f64>,
 }
 
 /// How coordinates take over the motion of cells: (coordinates of the piece) × (coordinates of the body).
@@ -98,11 +102,14 @@ impl SkinMotion {
             outer.push(c);
             rows.push(row);
         }
+        let middle = |cell: &Cell| middle_determinant(&corners(piece, cell, &piece.rest));
+        let middles_m3 = piece.cells.iter().map(middle).collect();
         Some(Self {
             inwards: inwards(piece, &taken),
             points: SparseRows::new(rows),
             outer,
             through,
+            middles_m3,
         })
     }
 
@@ -140,8 +147,8 @@ impl SkinMotion {
         for round in 1..=MOST_HALVINGS {
             let keep = if round < MOST_HALVINGS { 0.5 } else { 0.0 };
             let mut all_good = true;
-            for cell in &piece.cells {
-                if least_share(piece, cell, &new.positions) >= LEAST_SHARE {
+            for (cell, &middle_m3) in piece.cells.iter().zip(&self.middles_m3) {
+                if least_share(piece, cell, middle_m3, &new.positions) >= LEAST_SHARE {
                     continue;
                 }
                 all_good = false;
@@ -324,18 +331,28 @@ fn inwards(piece: &Matter, outer: &[bool]) -> SparseRows {
     SparseRows::new(rows)
 }
 
-/// The least that a cell has of its volume at rest, over the places where it is integrated.
-fn least_share(piece: &Matter, cell: &Cell, coordinates: &[Point3]) -> f64 {
-    let corners = |places: &[Point3]| {
-        cell.map(|node| {
-            let mut sum = Vector3::zeros();
-            let add = |c: usize, weight: f64| sum += places[c].coords * weight;
-            piece.map.each(node as usize, add);
-            Point3::from(sum)
-        })
-    };
-    let [rest, now] =
-        [&piece.rest[..], coordinates].map(|places| gauss_determinants(&corners(places)));
-    let shares = rest.iter().zip(now).map(|(rest, now)| now / rest);
+/// Where the corners of a cell are.
+fn corners(piece: &Matter, cell: &Cell, coordinates: &[Point3]) -> [Point3; 8] {
+    cell.map(|node| {
+        let mut sum = Vector3::zeros();
+        let add = |c: usize, weight: f64| sum += coordinates[c].coords * weight;
+        piece.map.each(node as usize, add);
+        Point3::from(sum)
+    })
+}
+
+/// The least that a cell has of its volume at rest, over the places where it is integrated; of one that has enough in the middle,
+/// what it has there.
+fn least_share(piece: &Matter, cell: &Cell, middle_m3: f64, coordinates: &[Point3]) -> f64 {
+    let now = corners(piece, cell, coordinates);
+    let in_middle = middle_determinant(&now) / middle_m3;
+    if in_middle >= ENOUGH {
+        return in_middle;
+    }
+    let rest = gauss_determinants(&corners(piece, cell, &piece.rest));
+    let shares = rest
+        .iter()
+        .zip(gauss_determinants(&now))
+        .map(|(rest, now)| now / rest);
     shares.fold(f64::INFINITY, f64::min)
 }
