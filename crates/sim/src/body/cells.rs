@@ -27,6 +27,9 @@ const SLOPES: [[[f64; 3]; 8]; 8] = shape_slopes(
     1.0,
 );
 
+/// The same in the middle, eight times.
+const MIDDLE: [[[f64; 3]; 8]; 8] = shape_slopes([[0.5; 2]; 2], 1.0);
+
 /// (Gauss point, corner): slopes of trilinear shape functions along a, b and c; on each axis a corner's function is
 /// `shares[point][corner]` at a Gauss point and grows with `slope` or falls with it.
 pub(super) const fn shape_slopes(shares: [[f64; 2]; 2], slope: f64) -> [[[f64; 3]; 8]; 8] {
@@ -91,20 +94,9 @@ impl CellGrid {
         volume_of(&self.gauss_determinants(cell))
     }
 
-    /// Determinant of the trilinear map's Jacobian at the 2 × 2 × 2 Gauss points, m³; the cell is
-    /// one unit wide.
+    /// [`gauss_determinants`] of a cell.
     pub fn gauss_determinants(&self, cell: &Cell) -> [f64; 8] {
-        let corners = cell.map(|node| self.nodes[node as usize].coords);
-        std::array::from_fn(|gauss| {
-            // ∂x/∂a, ∂x/∂b, ∂x/∂c.
-            let mut columns = [Vector3::zeros(); 3];
-            for (x, slopes) in corners.iter().zip(&SLOPES[gauss]) {
-                for (column, slope) in columns.iter_mut().zip(slopes) {
-                    *column += x * *slope;
-                }
-            }
-            Matrix3::from_columns(&columns).determinant()
-        })
+        gauss_determinants(&cell.map(|node| self.nodes[node as usize]))
     }
 
     /// The same cells, all turned over if together they are left-handed.
@@ -129,4 +121,26 @@ impl CellGrid {
 /// Signed volume of a cell from its [`CellGrid::gauss_determinants`], m³.
 pub(super) fn volume_of(determinants: &[f64; 8]) -> f64 {
     determinants.iter().map(|d| d / 8.0).sum()
+}
+
+/// Determinant of the trilinear map's Jacobian at the 2 × 2 × 2 Gauss points, m³, of a cell with these corners; the cell is
+/// one unit wide.
+pub fn gauss_determinants(corners: &[Point3; 8]) -> [f64; 8] {
+    SLOPES.each_ref().map(|slopes| determinant(corners, slopes))
+}
+
+/// Determinant of the trilinear map's Jacobian in the middle, m³, of a cell with these corners.
+pub fn middle_determinant(corners: &[Point3; 8]) -> f64 {
+    determinant(corners, &MIDDLE[0])
+}
+
+/// Of the columns ∂x/∂a, ∂x/∂b, ∂x/∂c.
+fn determinant(corners: &[Point3; 8], slopes: &[[f64; 3]; 8]) -> f64 {
+    let mut columns = [Vector3::zeros(); 3];
+    for (x, slopes) in corners.iter().zip(slopes) {
+        for (column, slope) in columns.iter_mut().zip(slopes) {
+            *column += x.coords * *slope;
+        }
+    }
+    Matrix3::from_columns(&columns).determinant()
 }

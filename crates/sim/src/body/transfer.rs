@@ -3,15 +3,17 @@
 //!
 //! Both bodies stand in the world at rest, so that the same place is the same matter. A coordinate at X goes to
 //! X + Σ w (x − X_w), with the shares w of the cell that holds X, which gives any affine motion exactly; so do velocities.
+//! Control points of a body without flow are moved so that the skin moves as it did: [`super::skin_motion`].
 
 use super::bins::Bins;
 use super::deformable::Deformable;
 use super::elements::continuum::{CellCarry, SpringCarry};
 use super::elements::spring_table::SpringTable;
 use super::matter::Matter;
-use super::node_map::{NodeMap, SparseRows};
+use super::node_map::SparseRows;
 use super::plastic::Flow;
 use super::sheet_carry::{Affine, carried};
+use super::skin_motion::{ByCells, SkinMotion, by_cells};
 use super::state::DeformableState;
 use super::tetrahedra::Tetrahedra;
 use palpate_geometry::math::{Point3, Vector3};
@@ -31,6 +33,8 @@ pub struct Transfer {
     places: SparseRows,
     /// Of membranes.
     affine: Option<Affine>,
+    /// Of those of the net, and of those inside with them.
+    skin: Option<SkinMotion>,
     flow: Option<FlowCarry>,
 }
 
@@ -45,24 +49,15 @@ enum FlowCarry {
 }
 
 impl Transfer {
-    /// `None` where the body has no cells, or not of the piece's kind.
-    pub fn new(body: &Deformable, piece: &Deformable) -> Option<Self> {
+    /// From a body and a piece, and their surfaces at rest. `None` where the body has no cells, or not of the piece's kind.
+    pub fn new(
+        body: &Deformable,
+        piece: &Deformable,
+        surfaces: Option<[&Surface; 2]>,
+    ) -> Option<Self> {
         let (old, new) = (body.matter(), piece.matter());
         let nodes = old.map.nodes(&old.rest);
         let cells = Tetrahedra::new(&old.cells, &nodes)?;
-        let row = |place: &Point3| {
-            let mut row = Vec::new();
-            for (node, share) in cells.shares(place) {
-                match &old.map {
-                    NodeMap::Same => row.push((node, share)),
-                    NodeMap::Sparse(map) => {
-                        let (columns, weights) = map.row(node as usize);
-                        row.extend(columns.iter().zip(weights).map(|(&c, w)| (c, w * share)));
-                    }
-                }
-            }
-            row
-        };
         let flow = match (&old.flow, &new.flow) {
             (Some(Flow::Springs(_)), Some(Flow::Springs(_))) => {
                 Some(FlowCarry::Springs(springs(old, new)))
@@ -78,9 +73,12 @@ impl Transfer {
             }
             _ => None,
         };
+        // What has flowed is as smooth as what cells take over, and its skin would spring back to that.
+        let surfaces = surfaces.filter(|_| flow.is_none());
         Some(Self {
-            places: SparseRows::new(new.rest.iter().map(row)),
+            places: SparseRows::new(new.rest.iter().map(|place| by_cells(&cells, old, place))),
             affine: None,
+            skin: surfaces.and_then(|surfaces| SkinMotion::new([body, piece], surfaces, &cells)),
             flow,
         })
     }
@@ -101,6 +99,7 @@ impl Transfer {
         Some(Self {
             places,
             affine: Some(affine),
+            skin: None,
             flow,
         })
     }
@@ -133,22 +132,23 @@ impl Transfer {
             ];
             (affine, fields)
         });
-        for c in 0..piece.rest.len() {
-            let (columns, weights) = self.places.row(c);
-            let (mut moved, mut velocity) = (Vector3::zeros(), Vector3::zeros());
-            for (&from, &weight) in columns.iter().zip(weights) {
-                let from = from as usize;
-                moved += (old.positions[from] - body.rest[from]) * weight;
-                velocity += old.velocities[from] * weight;
-            }
+        let by_cells = ByCells {
+            places: &self.places,
+            body,
+            old,
+        };
+        for &c in &piece.coordinate_of_unknown {
+            let c = c as usize;
+            let [mut moved, mut velocity] = by_cells.motion(&self.places, c);
             if let Some((affine, [places, velocities])) = &fields {
                 moved += affine.missed(c, places);
                 velocity += affine.missed(c, velocities);
             }
-            if piece.unknown(c).is_some() {
-                new.positions[c] = piece.rest[c] + moved;
-                new.velocities[c] = velocity;
-            }
+            new.positions[c] = piece.rest[c] + moved;
+            new.velocities[c] = velocity;
+        }
+        if let Some(skin) = &self.skin {
+            skin.carry(piece, &by_cells, new);
         }
         match &self.flow {
             Some(FlowCarry::Springs(rows)) => carry_springs(rows, [body, piece], old, new),
@@ -274,5 +274,76 @@ impl Deformed {
                 .map(|(node, share)| self.rest[node as usize].coords * share)
                 .sum::<Vector3>(),
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::through_skin::tests::egg;
+    use super::*;
+    use crate::scene::{Scene, file};
+    use palpate_geometry::basis::KnotVector;
+    use palpate_geometry::math::Random;
+    use std::path::Path;
+
+    fn scene(model: &str) -> Scene {
+        let surface = egg();
+        let net = surface.net();
+        let rows: Vec<Vec<[f64; 3]>> = (net.points().chunks(net.columns()))
+            .map(|row| row.iter().map(|p| p.coords.into()).collect())
+            .collect();
+        let [u, v] = [surface.knots_u(), surface.knots_v()].map(KnotVector::file_knots);
+        let text = format!(
+            "[[body]]\nid = \"egg\"\nmodel = \"{model}\"\nlattice = {{ refine = \"none\" }}\n[body.surface.inline]\n\
+             format = \"palpate.surface.v1\"\nunit = \"m\"\ndegree = [3, 3]\nperiodic = [true, false]\n\
+             knots = [{u:?}, {v:?}]\npoints = {rows:?}\n"
+        );
+        let loaded = file::parse(&text, "scene.toml", Path::new(".")).unwrap();
+        loaded.build().unwrap()
+    }
+
+    /// A body moved at random by up to a length and a speed, and what a body like it takes over from it.
+    fn taken_over(model: &str, most_m: f64) -> [DeformableState; 2] {
+        let scene = scene(model);
+        let (body, surface) = (scene.deformable(0).unwrap(), scene.rest_surface(0).unwrap());
+        let transfer = Transfer::new(body, body, Some([surface; 2])).unwrap();
+        assert!(transfer.skin.is_some(), "{model}");
+        let (mut old, mut new) = (body.rest_state(), body.rest_state());
+        let mut random = Random(5);
+        let mut next = || random.vector() * most_m;
+        old.positions.iter_mut().for_each(|p| *p += next());
+        old.velocities.iter_mut().for_each(|v| *v = next());
+        transfer.carry([body, body], &old, &mut new);
+        [old, new]
+    }
+
+    // A piece that is the whole body, with its surface: nothing changes but for rounding. Inside a net, coordinates are no nodes, and
+    // only those outside are exact.
+    #[test]
+    fn a_body_takes_itself_over() {
+        for model in ["lattice", "continuum", "net"] {
+            let [old, new] = taken_over(model, 1e-4);
+            let scene = scene(model);
+            let matter = scene.deformable(0).unwrap().matter();
+            let mut looked_at = matter.coordinate_of_control.clone();
+            if model != "net" {
+                looked_at = (0..matter.rest.len() as u32).collect();
+            }
+            for c in looked_at.into_iter().map(|c| c as usize) {
+                let off = (new.positions[c] - old.positions[c]).norm();
+                let faster = (new.velocities[c] - old.velocities[c]).norm();
+                assert!(off < 1e-15, "{model}, coordinate {c}: {off:e} m");
+                assert!(faster < 1e-15, "{model}, coordinate {c}: {faster:e} m/s");
+            }
+        }
+    }
+
+    // Cells that are turned over already stay as they are in the body.
+    #[test]
+    fn a_body_with_cells_turned_over_takes_itself_over() {
+        let [old, new] = taken_over("lattice", 1e-2);
+        let places = old.positions.iter().zip(&new.positions);
+        let off = places.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+        assert!(off < 1e-10, "{off:e} m");
     }
 }

@@ -59,12 +59,13 @@ impl CarryOver {
 /// From a body of one scene to its piece in another.
 fn transfer((old, body): (&Scene, usize), (new, piece): (&Scene, usize)) -> Option<Transfer> {
     let (whole, part) = (old.deformable(body)?, new.deformable(piece)?);
+    let surfaces = old.rest_surface(body).zip(new.rest_surface(piece));
     match old.is_membrane(body) {
-        true => Transfer::of_membrane(
-            (whole, old.rest_surface(body)?),
-            (part, new.rest_surface(piece)?),
-        ),
-        false => Transfer::new(whole, part),
+        true => {
+            let (skin, sheet) = surfaces?;
+            Transfer::of_membrane((whole, skin), (part, sheet))
+        }
+        false => Transfer::new(whole, part, surfaces.map(|(skin, new)| [skin, new])),
     }
 }
 
