@@ -18,5 +18,6 @@ pub mod party;
 pub mod report;
 mod rest;
 pub mod scene;
+mod side_by_side;
 pub mod solve;
 pub mod tick;

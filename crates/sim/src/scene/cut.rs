@@ -16,6 +16,7 @@ use super::spec::{
 };
 use super::{Body, Scene, Tool, model};
 use crate::body::Deformed;
+use crate::side_by_side::side_by_side;
 use palpate_geometry::basis::KnotVector;
 use palpate_geometry::cut::{
     Cut, CutError, CutPlane, Piece, PieceSkin, PieceSkinError, SkinSpec, cut_by_plane,
@@ -160,7 +161,8 @@ impl SceneCut {
             .map_err(|error| SceneCutError::Cut { body: id(), error })?;
         let kept = kept(&cuts);
         let mut skins = Vec::new();
-        for (k, skin) in skins_of(&kept, rest, &matter).into_iter().enumerate() {
+        let made = side_by_side(kept.len(), |k| kept[k].skin(rest, &matter));
+        for (k, skin) in made.into_iter().enumerate() {
             let skin = skin.map_err(|error| SceneCutError::Piece {
                 piece: k + 1,
                 body: id(),
@@ -279,14 +281,8 @@ impl SceneChange {
 
     /// Builds pieces, the first of which is a body of the next scene, side by side.
     fn make_pieces(&mut self, scene: &Scene, first: usize, count: usize) -> Result<(), SceneError> {
-        let mut made: Vec<_> = (0..count).map(|_| None).collect();
-        std::thread::scope(|threads| {
-            for (k, made) in made.iter_mut().enumerate() {
-                let spec = &self.spec;
-                threads.spawn(move || *made = Some(made_piece(scene, spec, first + k)));
-            }
-        });
-        for (k, made) in made.into_iter().flatten().enumerate() {
+        let made = side_by_side(count, |k| made_piece(scene, &self.spec, first + k));
+        for (k, made) in made.into_iter().enumerate() {
             let (spec, body) = made?;
             self.spec.bodies[first + k] = spec;
             self.ready[first + k] = Some(Arc::new(body));
@@ -455,21 +451,6 @@ impl Kept<'_> {
             _ => skin,
         })
     }
-}
-
-/// The boundaries of pieces at rest, side by side.
-fn skins_of(
-    kept: &[Kept<'_>],
-    rest: &Surface,
-    matter: &Matter,
-) -> Vec<Result<PieceSkin, PieceSkinError>> {
-    let mut skins: Vec<_> = kept.iter().map(|_| None).collect();
-    std::thread::scope(|threads| {
-        for (kept, skin) in kept.iter().zip(&mut skins) {
-            threads.spawn(move || *skin = Some(kept.skin(rest, matter)));
-        }
-    });
-    skins.into_iter().flatten().collect()
 }
 
 /// Ids of the pieces of a body: its own, with the first numbers that are free.

@@ -352,6 +352,7 @@ mod tests {
     use super::*;
     use crate::scene::file;
     use std::path::Path;
+    use std::sync::Arc;
 
     fn bowl(motion: &str) -> String {
         format!(
@@ -363,10 +364,8 @@ mod tests {
         let loaded =
             file::parse(&bowl(motion), "m.toml", Path::new(".")).map_err(|e| e.to_string())?;
         let mut scene = loaded.build().map_err(|e| e.to_string())?;
-        scene.bodies[0]
-            .mover
-            .take()
-            .ok_or("it does not move".into())
+        let body = Arc::get_mut(&mut scene.bodies[0]).ok_or("it is shared")?;
+        body.mover.take().ok_or("it does not move".into())
     }
 
     #[test]

@@ -5,6 +5,7 @@ use crate::body::{Deformable, DeformableState, SharedMomentum, Transfer};
 use crate::contact::PairState;
 use crate::party::BodyState;
 use crate::scene::{Origin, Scene};
+use crate::side_by_side::side_by_side;
 use palpate_geometry::math::Vector3;
 
 /// Where the bodies of a scene come from, and what those need that are pieces of another.
@@ -22,15 +23,21 @@ impl CarryOver {
     /// From one scene to another, whose bodies come from `origins`.
     pub fn new(old: &Scene, new: &Scene, origins: Vec<Origin>) -> Self {
         debug_assert_eq!(origins.len(), new.bodies.len(), "an origin a body");
-        let transfer_of = |(body, origin): (usize, &Origin)| match *origin {
-            Origin::Piece { from } => transfer((old, from), (new, body)),
-            Origin::Kept { .. } | Origin::New => None,
-        };
-        let transfers = origins.iter().enumerate().map(transfer_of).collect();
         let from = |origin: &Origin| match *origin {
             Origin::Piece { from } => Some(from),
             Origin::Kept { .. } | Origin::New => None,
         };
+        let pieces: Vec<(usize, usize)> = (origins.iter().enumerate())
+            .filter_map(|(body, origin)| Some((body, from(origin)?)))
+            .collect();
+        let made = side_by_side(pieces.len(), |k| {
+            let (body, from) = pieces[k];
+            transfer((old, from), (new, body))
+        });
+        let mut transfers: Vec<Option<Transfer>> = origins.iter().map(|_| None).collect();
+        for ((body, _), made) in pieces.into_iter().zip(made) {
+            transfers[body] = made;
+        }
         let mut cut: Vec<usize> = origins.iter().filter_map(from).collect();
         cut.dedup();
         let carry = Self {

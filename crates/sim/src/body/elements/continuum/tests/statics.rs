@@ -1,6 +1,7 @@
 //! Equilibria by Newton's method: no step, no contact.
 
 use super::*;
+use crate::body::elements::continuum::rest::RestCell;
 use palpate_geometry::math::{Cholesky, SymmetricTriplets};
 
 /// What Newton's method needs of an elastic solid.
