@@ -11,8 +11,8 @@ use super::cut_sheet::CutMembrane;
 use super::door::{Door, SceneError};
 use super::model::material_of;
 use super::spec::{
-    BodySpec, BuilderSpec, ContactMethod, ContactSpec, FixedSpec, ModelSpec, RefineAuto,
-    RefineSpec, SceneSpec,
+    BodySpec, BuilderSpec, ContactMethod, ContactSpec, FixedSpec, IntegratorSpec, LatticeSpec,
+    ModelSpec, RefineAuto, RefineSpec, SceneSpec,
 };
 use super::{Body, Scene, Tool, model};
 use crate::body::Deformed;
@@ -258,7 +258,7 @@ impl SceneChange {
         let mut made = Vec::new();
         for (id, surface) in ids.iter().zip(pieces) {
             let mut piece = piece(&whole, id, surface, denser)?;
-            if whole.lattice.builder != BuilderSpec::Layers {
+            if piece.lattice.builder != BuilderSpec::Layers {
                 let share = (volume(surface) / enclosed).min(1.0);
                 piece.lattice.nodes = nodes_of(whole.lattice.nodes, share);
             }
@@ -305,7 +305,9 @@ fn made_piece(
         if model != whole.model() {
             spec.model = Some(model);
         }
-        spec.lattice.layers = Some(layers);
+        if model.model().deforms() {
+            spec.lattice.layers = Some(layers);
+        }
         let door = Door::new(Path::new(""));
         let top = door.top();
         let at = top.key("body").entry(body);
@@ -313,7 +315,8 @@ fn made_piece(
         drop((at, top));
         match door.close(made) {
             Ok(made) => return Ok((spec, made)),
-            Err(error) => refused = refused.or(Some(error)),
+            // Springs, which are last, take all but what holds for any model.
+            Err(error) => refused = Some(error),
         }
     }
     Err(refused.unwrap_or_else(|| SceneError::one(format!("body[{body}]"), "it has no model")))
@@ -497,16 +500,27 @@ fn piece(
     for region in &mut body.regions {
         region.density_kg_m3 = region.density_kg_m3.map(|density| density * denser);
     }
-    // Planes that hold nothing of it are of other pieces.
+    // Planes that hold nothing of it are of other pieces, and what is held everywhere cannot deform.
     let points = local.net().points();
-    body.fixed.retain(|fixed| match fixed {
+    let holds = |fixed: &FixedSpec, p: &Point3| match fixed {
         FixedSpec::Plane { point, normal } => {
-            let behind =
-                |p: &Point3| Vector3::from(*normal).dot(&(p - Point3::from(*point))) <= 0.0;
-            points.iter().any(behind)
+            Vector3::from(*normal).dot(&(p - Point3::from(*point))) <= 0.0
         }
-        FixedSpec::Range { .. } => true,
-    });
+        FixedSpec::Range { .. } => false,
+    };
+    (body.fixed).retain(|fixed| points.iter().any(|p| holds(fixed, p)));
+    let is_held = |p: &Point3| body.fixed.iter().any(|fixed| holds(fixed, p));
+    if points.iter().all(is_held) {
+        return Ok(BodySpec {
+            model: Some(ModelSpec::Rigid),
+            fixed: Vec::new(),
+            regions: Vec::new(),
+            lattice: LatticeSpec::default(),
+            integrator: IntegratorSpec::default(),
+            self_contact: false,
+            ..body
+        });
+    }
     // An open sheet cannot say where it passes through itself.
     body.self_contact &= surface.topology().is_closed();
     body.lattice.refine = RefineSpec::Auto(RefineAuto::None);

@@ -882,3 +882,27 @@ fn what_is_ready_goes_on_as_what_its_file_says() {
         }
     }
 }
+
+// What is held everywhere cannot deform: it is a rigid body.
+#[test]
+fn a_piece_that_is_held_everywhere_is_rigid() {
+    let held = "fixed = [{ point = [0.0, 0.0, -0.01], normal = [0.0, 0.0, 1.0] }]";
+    let mut world = World::new(&small(held));
+    rest(&mut world, 5);
+    let done = cut(
+        &mut world,
+        "jelly",
+        &plane([0.0, 0.0, -0.015], [0.0, 0.1, 1.0]),
+        0.0,
+    );
+    let models = [0, 1].map(|body| world.scene.model_name(body));
+    assert_eq!(
+        models,
+        ["lattice", "rigid"],
+        "{:?}",
+        done.change.body("jelly-2")
+    );
+    rest(&mut world, 50);
+    goes_on(&world);
+    assert!(fastest(&world, 0) < 1e-9);
+}
