@@ -90,7 +90,7 @@ impl SceneChange {
     /// # Errors
     /// As [`Scene::build_to_run`].
     pub fn build_to_run(&self) -> Result<Scene, SceneError> {
-        Scene::build_with(&self.spec, Path::new(""), &self.ready)?.to_run()
+        Scene::build_with(&self.spec, Path::new(""), &self.ready)?.checked_to_run()
     }
 
     /// What the next scene says of a body; `None` without a body of that id.

@@ -80,10 +80,11 @@ impl Scene {
     /// # Errors
     /// As [`Scene::build`], and what must not run.
     pub fn build_to_run(spec: &SceneSpec, directory: &Path) -> Result<Self, SceneError> {
-        Self::build(spec, directory)?.to_run()
+        Self::build(spec, directory)?.checked_to_run()
     }
 
-    pub(super) fn to_run(mut self) -> Result<Self, SceneError> {
+    /// Refuses what is found wrong, and keeps all else that is found.
+    pub(super) fn checked_to_run(mut self) -> Result<Self, SceneError> {
         let (wrong, warnings): (Vec<_>, Vec<_>) =
             (self.findings().into_iter()).partition(|finding| finding.kind == FindingKind::Wrong);
         if wrong.is_empty() {
