@@ -113,6 +113,7 @@ impl SurfaceBlocks {
     }
 
     fn of_blocks(matter: &Matter, factor: &BlockCholesky) -> Self {
+        debug_assert_eq!(factor.n(), matter.unknown_count(), "another matrix");
         let (mut all, places) = Self::zeros(matter);
         let mut rows = [(); 3].map(|()| Rows::zeros(matter.unknown_count()));
         let mut work = factor.work_of();

@@ -1,7 +1,7 @@
 //! Repairs cells in layers that a continuum refuses, by moving nodes inside the surface.
 //!
 //! As in [`untangle`](super::untangle), a node of a bad cell tries the mean of its neighbours and steps along the axes, and takes
-//! the place where the worst of its cells is best. Nodes of the surface stay: they are control points.
+//! the place where its cells miss least. Nodes of the surface stay: they are control points.
 
 use super::cells::{CellGrid, EDGES};
 use super::elements::continuum::worth;
@@ -12,8 +12,10 @@ use palpate_geometry::math::{Point3, Vector3};
 const MOST_SWEEPS: usize = 40;
 /// Trial steps, in mean lengths of the node's edges.
 const STEPS: [f64; 4] = [0.5, 0.2, 0.07, 0.02];
-/// A cell is good at this many times the least quality that a continuum takes, which leaves room for rounding.
+/// A cell is good at this many times the least quality that a continuum takes, which leaves room for rounding; and from so many
+/// on nothing is gained.
 const ENOUGH: f64 = 1.1;
+const GOOD: f64 = 1.3;
 
 /// Moves inner nodes until every cell is good enough for a continuum, or no move makes the worst better.
 pub(super) fn repair(grid: &mut CellGrid) {
@@ -74,12 +76,19 @@ fn shift(grid: &mut CellGrid, node: usize, around: &[u32], beside: &[u32]) -> bo
         .map(|other| (at(other) - start).norm())
         .sum::<f64>()
         / count;
-    let worst = |grid: &CellGrid| {
-        let cells = around
-            .iter()
-            .map(|&cell| worth(grid, &grid.cells[cell as usize]));
-        cells.fold(f64::INFINITY, f64::min)
+    // The sum, not the worst: a cell that cannot be saved must not pull its neighbours with it.
+    let missing = |grid: &CellGrid| {
+        let cells = around.iter();
+        let worths = cells.map(|&cell| worth(grid, &grid.cells[cell as usize]));
+        worths
+            .map(|worth| (GOOD - worth).max(0.0).powi(2))
+            .sum::<f64>()
     };
     let places = trials(start, mean, STEPS.map(|step| step * length));
-    take_best(grid, |grid| &mut grid.nodes[node], places, worst)
+    take_best(
+        grid,
+        |grid| &mut grid.nodes[node],
+        places,
+        |grid| -missing(grid),
+    )
 }

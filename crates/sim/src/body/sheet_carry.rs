@@ -38,6 +38,7 @@ pub(super) struct AffineField {
 impl Affine {
     /// For places with rows of weights of a body's coordinates.
     fn new(rest: &[Point3], places: &[Point3], rows: &SparseRows) -> Self {
+        debug_assert_eq!(places.len(), rows.rows(), "a row a place");
         let sum: Vector3 = rest.iter().map(|x| x.coords).sum();
         let centre = Point3::from(sum / rest.len() as f64);
         let squares = rest.iter().map(|x| (x - centre) * (x - centre).transpose());

@@ -115,6 +115,8 @@ impl SkinMotion {
 
     /// Moves the coordinates of the net, which went with the cells of the body, and those inside. Nothing is allocated.
     pub fn carry(&self, piece: &Matter, by_cells: &ByCells<'_>, new: &mut DeformableState) {
+        debug_assert_eq!(self.inwards.rows(), piece.rest.len(), "another piece");
+        debug_assert_eq!(self.middles_m3.len(), piece.cells.len(), "a middle a cell");
         for (row, &c) in self.outer.iter().enumerate() {
             let [moved, velocity] = by_cells.motion(&self.points, row);
             new.positions[c as usize] = Point3::from(moved);

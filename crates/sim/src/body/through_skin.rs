@@ -173,6 +173,7 @@ impl Lines {
 
     fn solve<T>(&self, values: &mut [T], vector: &impl Fn(&mut T) -> &mut Vector3) {
         let count = self.factors.rows();
+        debug_assert_eq!(self.coordinates.len() % count, 0, "whole lines");
         for line in self.coordinates.chunks(count) {
             let mut reduce = |row: usize, before: bool| {
                 let (columns, weights) = self.factors.row(row);

@@ -3,6 +3,7 @@
 use crate::basis::{Blending, BlendingInverse, KnotVector};
 use crate::math::{Point3, Vector3};
 use crate::surface::{ControlNet, LineFit, Surface, SurfaceError};
+use std::f64::consts::TAU;
 
 /// Spans beside poles and rims, in others: rows of control points crowd there, less so where spans are longer.
 const END_SPAN: f64 = 1.5;
@@ -133,6 +134,9 @@ impl Layout {
                 true => row.fill(column[0]),
                 false => around.fit(&column, &mut row, &mut scratch),
             }
+            if let Some((ring, pole)) = self.ring(j) {
+                smooth(&mut row, lines[pole], ring);
+            }
             for (i, offset) in row.iter().enumerate() {
                 net[i * columns + j] = origin + offset;
             }
@@ -140,6 +144,39 @@ impl Layout {
         let net = ControlNet::new(self.around, columns, net)?;
         let surface = Surface::new(knots_u, self.knots_v.clone(), net, None)?;
         Ok(surface.with_exact_seams().oriented_outward())
+    }
+
+    /// How many steps a row is from a pole, if it is to be smooth around it, and the pole's column.
+    fn ring(&self, row: usize) -> Option<(usize, usize)> {
+        let last = self.knots_v.count() - 1;
+        let (ring, pole, part) = match 2 * row < last {
+            true => (row, 0, self.parts.first()?),
+            false => (last - row, last, self.parts.last()?),
+        };
+        let far = part.knots.count() > 2 * DEGREE;
+        let is_smooth = ring == 1 || ring == 2 && far && 2 * ring < self.around;
+        is_smooth.then_some((ring, pole))
+    }
+}
+
+/// Gives a row of control points, `ring` steps from a pole, what rows of surfaces have that are smooth there, or pointed: one
+/// wave around in the first row, and two more in the second.
+fn smooth(row: &mut [Vector3], pole: Vector3, ring: usize) {
+    let count = row.len();
+    let angle = |i: usize, waves: usize| TAU * (i * waves % count) as f64 / count as f64;
+    let offsets: Vec<Vector3> = row.iter().map(|p| p - pole).collect();
+    let sum = |weight: &dyn Fn(usize) -> f64| -> Vector3 {
+        let each = offsets.iter().enumerate();
+        each.map(|(i, offset)| offset * weight(i)).sum::<Vector3>() / count as f64
+    };
+    row.fill(pole + sum(&|_| 1.0));
+    for waves in 1..=ring {
+        let cos = 2.0 * sum(&|i| libm::cos(angle(i, waves)));
+        let sin = 2.0 * sum(&|i| libm::sin(angle(i, waves)));
+        for (i, point) in row.iter_mut().enumerate() {
+            let angle = angle(i, waves);
+            *point += cos * libm::cos(angle) + sin * libm::sin(angle);
+        }
     }
 }
 
