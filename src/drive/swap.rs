@@ -7,7 +7,7 @@ use super::journal::Journal;
 use super::nets::NetPool;
 use super::ports::{BUS_NETS, NetEnd, NetPort, net_ports};
 use super::workers::Workers;
-use palpate_sim::scene::{Origin, Scene};
+use palpate_sim::scene::Scene;
 use palpate_sim::tick::{CarryOver, SceneState, Scratch};
 use std::sync::Arc;
 
@@ -25,16 +25,14 @@ pub struct Swap {
 }
 
 impl Swap {
-    /// Makes all that the loop needs for another scene with the same tools, whose bodies come from those of the old one as
-    /// `origins` says; the other ends of its nets are for the bus.
+    /// Makes all that the loop needs for another scene with the same tools; the other ends of its nets are for the bus.
     ///
     /// # Errors
     /// The system refuses a thread for bodies that step apart.
     pub fn new(
         id: u64,
-        old: &Scene,
         scene: Arc<Scene>,
-        origins: Vec<Origin>,
+        carry: CarryOver,
         journal: Box<dyn Journal>,
     ) -> std::io::Result<(Self, Vec<NetEnd>)> {
         let state = scene.initial_state();
@@ -42,7 +40,6 @@ impl Swap {
         if let Some(workers) = Workers::start(&scene)? {
             scratch.set_pipeline(Box::new(workers));
         }
-        let carry = CarryOver::new(old, &scene, origins);
         let nets = NetPool::new(&scene, BUS_NETS + journal.nets_held());
         let (net_port, ends) = net_ports(&scene);
         Ok((

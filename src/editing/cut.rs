@@ -3,7 +3,7 @@
 use super::Edited;
 use palpate_geometry::cut::CutPlane;
 use palpate_geometry::math::Point3;
-use palpate_sim::scene::spec::BodySpec;
+use palpate_sim::scene::spec::{BodySpec, ModelSpec};
 use palpate_sim::scene::{BodyPiece, Scene, SceneChange, SceneCut};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -44,7 +44,12 @@ fn what(scene: &Scene, body: usize, cut: &SceneCut) -> String {
             && now != before
         {
             let (model, layers) = (now.0.name(), now.1);
-            let _ = write!(what, "; {} is a {model} of {layers} layers", piece.id);
+            let _ = match now.0 {
+                ModelSpec::Rigid => {
+                    write!(what, "; {} is rigid, since it is held everywhere", piece.id)
+                }
+                _ => write!(what, "; {} is a {model} of {layers} layers", piece.id),
+            };
         }
     }
     what
@@ -65,7 +70,7 @@ fn words(change: &SceneChange, BodyPiece { id, piece, skin }: &BodyPiece) -> Val
         "rims": skin.rims,
         "net": [net.rows(), net.columns()],
         "model": spec.map(BodySpec::model),
-        "layers": spec.map(BodySpec::layers),
+        "layers": spec.filter(|spec| spec.model() != ModelSpec::Rigid).map(BodySpec::layers),
     })
 }
 

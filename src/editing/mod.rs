@@ -16,6 +16,7 @@ use crate::drive::swap::Swap;
 use crate::recording::SceneChanges;
 use palpate_geometry::surface::Surface;
 use palpate_sim::scene::{Scene, SceneChange};
+use palpate_sim::tick::CarryOver;
 use sha2::Digest as _;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -23,10 +24,6 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 
 const FAULT: &str = "an internal fault of the modeling code stopped the change; the scene is as \
                      it was, and the daemon's log has the details";
-
-/// Of the thread that remakes scenes, and of those that it starts.
-#[cfg(target_os = "linux")]
-const NICE: i32 = 10;
 
 /// A request with what it is about.
 struct EditJob {
@@ -63,9 +60,6 @@ impl SceneEditor {
         std::thread::Builder::new()
             .name("palpate-editor".into())
             .spawn(move || {
-                // The loop comes first, also where cores are few. On Linux this is of the thread alone.
-                #[cfg(target_os = "linux")]
-                let _ = rustix::process::nice(NICE);
                 for job in job_out {
                     let id = job.id;
                     // A fault in modeling must not end the thread: later requests would wait
@@ -99,11 +93,53 @@ impl Editor for SceneEditor {
 }
 
 fn carry_out(job: &EditJob, changes: &SceneChanges) -> Result<EditNews, String> {
+    let id = job.id;
+    let Remade { next, what, report } = behind_the_loop(|| remade(job))?;
+    let Some((next, carry)) = next else {
+        return Ok(EditNews::Nothing { id, report });
+    };
+    let text = toml::to_string(&next.spec).map_err(|e| e.to_string())?;
+    let scene_hash = sha2::Sha256::digest(text.as_bytes()).into();
+    let journal = changes.journal(&next, &what).map_err(|e| e.to_string())?;
+    // Starts the threads of bodies that step apart, which must not run behind the loop.
+    let swap = Swap::new(id, next, carry, Box::new(journal));
+    let (swap, nets) = swap.map_err(|e| e.to_string())?;
+    Ok(EditNews::Ready {
+        swap: Box::new(swap),
+        nets,
+        scene_hash,
+        what,
+        report,
+    })
+}
+
+/// Work on a thread that gives way to the loop where cores are few, as do the threads that it starts.
+fn behind_the_loop<T: Send>(work: impl FnOnce() -> T + Send) -> T {
+    let low = || {
+        // On Linux this is of one thread; elsewhere it would be of all.
+        #[cfg(target_os = "linux")]
+        let _ = rustix::process::nice(10);
+        work()
+    };
+    match std::thread::scope(|threads| threads.spawn(low).join()) {
+        Ok(done) => done,
+        Err(panic) => std::panic::resume_unwind(panic),
+    }
+}
+
+/// The next scene and what goes on in it, if anything changes.
+struct Remade {
+    next: Option<(Arc<Scene>, CarryOver)>,
+    what: String,
+    report: serde_json::Value,
+}
+
+fn remade(job: &EditJob) -> Result<Remade, String> {
     let EditJob {
-        id,
         scene,
         standing,
         request,
+        ..
     } = job;
     let surfaces: Vec<Surface> = request
         .bodies
@@ -169,7 +205,11 @@ fn carry_out(job: &EditJob, changes: &SceneChanges) -> Result<EditNews, String> 
         }
     };
     let Some(change) = change else {
-        return Ok(EditNews::Nothing { id: *id, report });
+        return Ok(Remade {
+            next: None,
+            what,
+            report,
+        });
     };
     let next = change.build_to_run().map_err(|e| e.to_string())?;
     let found: Vec<&str> = next
@@ -189,15 +229,9 @@ fn carry_out(job: &EditJob, changes: &SceneChanges) -> Result<EditNews, String> 
                 .into(),
         );
     }
-    let text = toml::to_string(&next.spec).map_err(|e| e.to_string())?;
-    let scene_hash = sha2::Sha256::digest(text.as_bytes()).into();
-    let journal = changes.journal(&next, &what).map_err(|e| e.to_string())?;
-    let (swap, nets) = Swap::new(*id, scene, next, change.origins, Box::new(journal))
-        .map_err(|e| e.to_string())?;
-    Ok(EditNews::Ready {
-        swap: Box::new(swap),
-        nets,
-        scene_hash,
+    let carry = CarryOver::new(scene, &next, change.origins().to_vec());
+    Ok(Remade {
+        next: Some((next, carry)),
         what,
         report,
     })

@@ -89,7 +89,7 @@ fn scene_of(run: &RunSpec, source: &Source) -> Result<(file::Loaded, Scene), Sce
     for cut in &run.cut {
         let change = cut_at_rest(&scene, cut).map_err(wrong)?;
         scene = change.build_to_run().map_err(at)?;
-        loaded.spec = change.spec;
+        loaded.spec = change.spec().clone();
     }
     for finding in scene.warnings() {
         tracing::warn!(run = run.name, "{}", loaded.told(finding));

@@ -216,6 +216,32 @@ fn faults(palpate: &Palpate) -> Vec<String> {
 }
 
 #[test]
+fn a_piece_that_is_held_everywhere_is_rigid_and_said_to_be() {
+    let mut session = TestSession::of(GEL).program(PROGRAM).start().unwrap();
+    let mut pen = session.tool("pen").unwrap();
+    session.step(&mut pen, pose_at([0.0, 0.0, 0.06])).unwrap();
+    let below = PlaneArgument {
+        point: [0.0, 0.0, 0.0055],
+        normal: [0.0, 0.0, 1.0],
+    };
+    let done = session.palpate().call(cut("gel", below, 0.0)).unwrap();
+    let report = done.report.unwrap();
+    let pieces = report["pieces"].as_array().unwrap();
+    let said = |k: usize| (&pieces[k]["model"], &pieces[k]["layers"]);
+    assert_eq!(said(0), (&"lattice".into(), &2.into()), "{report}");
+    assert_eq!(said(1), (&"rigid".into(), &Value::Null), "{report}");
+    let events = session.palpate().past_events(0).unwrap().into_iter();
+    let what = events.filter_map(|event| match event.kind {
+        EventKind::SceneChanged { what } => Some(what),
+        _ => None,
+    });
+    let expected = "cut gel into 2 pieces; gel-2 is rigid, since it is held everywhere";
+    assert_eq!(what.collect::<Vec<_>>(), [expected]);
+    session.step(&mut pen, pose_at([0.0, 0.0, 0.06])).unwrap();
+    session.finish(pen).unwrap();
+}
+
+#[test]
 fn what_cannot_be_cut_is_refused_and_the_scene_goes_on() {
     let mut session = TestSession::of(GEL).program(PROGRAM).start().unwrap();
     let mut pen = session.tool("pen").unwrap();

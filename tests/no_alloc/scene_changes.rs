@@ -57,8 +57,14 @@ fn scene(text: &str) -> Scene {
 
 fn rebuilt(change: &SceneChange) -> Scene {
     // Through its text, as a replay does.
-    let text = toml::to_string(&change.spec).unwrap();
+    let text = toml::to_string(change.spec()).unwrap();
     Scene::build(&toml::from_str(&text).unwrap(), Path::new("")).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn swap(old: &Scene, next: Arc<Scene>, change: &SceneChange) -> Swap {
+    let carry = CarryOver::new(old, &next, change.origins().to_vec());
+    let (swap, _nets) = Swap::new(1, next, carry, Box::new(NoJournal)).unwrap();
+    swap
 }
 
 /// The tool sinks into the first sheet, 10 µm a tick.
@@ -93,7 +99,7 @@ fn a_moved_body_takes_its_state_along_and_the_others_stay_bit_for_bit() {
     new.carry_over(
         &old,
         &before,
-        &CarryOver::new(&old, &new, change.origins),
+        &CarryOver::new(&old, &new, change.origins().to_vec()),
         &mut after,
     );
     assert_eq!(after.tick, 600);
@@ -145,7 +151,7 @@ fn a_merged_body_stands_in_the_place_of_its_first_part() {
         ["a-c", "b"]
     );
     assert_eq!(
-        change.origins,
+        *change.origins(),
         [
             Origin::New,
             Origin::Kept {
@@ -224,8 +230,7 @@ fn a_running_loop_takes_the_next_scene_over_without_a_gap_or_an_allocation() {
     assert!(force_n > 0.0);
     let change = SceneChange::moved(&scene, &[(2, Vector3::new(0.0, 0.0, -0.05))]).unwrap();
     let next = Arc::new(rebuilt(&change));
-    let (mut swap, _nets) =
-        Swap::new(1, &scene, next, change.origins, Box::new(NoJournal)).unwrap();
+    let mut swap = swap(&scene, next, &change);
     let mut jump_n = f64::INFINITY;
     let count = allocations(|| {
         swap.exchange(&mut scene, &mut state, &mut scratch);
@@ -279,8 +284,7 @@ pose = { position = [0.5, 0.0, 0.0] }
                 let change =
                     SceneChange::moved(&scene, &[(1, Vector3::new(0.0, 0.1, 0.0))]).unwrap();
                 let next = Arc::new(rebuilt(&change));
-                let (mut swap, _nets) =
-                    Swap::new(1, &scene, next, change.origins, Box::new(NoJournal)).unwrap();
+                let mut swap = swap(&scene, next, &change);
                 swap.exchange(&mut scene, &mut state, &mut scratch);
             }
         }
@@ -327,10 +331,9 @@ pose = { position = [0.0, 0.0, 0.5] }
         let before = state.bodies[0].deformable.clone().unwrap();
         let whole = old.rest_surface(0).unwrap().clone();
         let (change, _) = SceneChange::cut(&old, 0, &[&whole], 1.0).unwrap();
-        assert_eq!(change.spec.bodies[0].id, "ball-1");
+        assert_eq!(change.spec().bodies[0].id, "ball-1");
         let new = Arc::new(rebuilt(&change));
-        let (mut swap, _nets) =
-            Swap::new(1, &old, new, change.origins, Box::new(NoJournal)).unwrap();
+        let mut swap = swap(&old, new, &change);
         let count = allocations(|| swap.exchange(&mut old, &mut state, &mut scratch));
         assert_eq!(count, 0);
         let after = state.bodies[0].deformable.as_ref().unwrap();

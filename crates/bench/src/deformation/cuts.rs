@@ -109,7 +109,7 @@ type Made = (SceneCut, Scene, CarryOver);
 fn made(world: &World, standing: (&[Point3], &[Point3]), plane: &CutPlane) -> Result<Made, String> {
     let done = SceneCut::new(&world.scene, 0, standing, plane, 0.0).map_err(|e| e.to_string())?;
     let next = done.change.build_to_run().map_err(|e| e.to_string())?;
-    let carry = CarryOver::new(&world.scene, &next, done.change.origins.clone());
+    let carry = CarryOver::new(&world.scene, &next, done.change.origins().to_vec());
     let state = next.initial_state();
     drop(next.scratch(&state));
     Ok((done, next, carry))

@@ -30,6 +30,23 @@ pub trait Lanes:
     fn interleave(x: Self, y: Self, z: Self, to: &mut [f64; 12]);
 }
 
+/// Four numbers of a slice, from one on; zeros where it has no four more.
+#[inline(always)]
+pub fn load<L: Lanes>(from: &[f64], at: usize) -> L {
+    match from[at..].first_chunk() {
+        Some(four) => L::load(four),
+        None => L::splat(0.0),
+    }
+}
+
+/// Writes four numbers of a slice, from one on; nothing where it has no four more.
+#[inline(always)]
+pub fn store<L: Lanes>(lanes: L, to: &mut [f64], at: usize) {
+    if let Some(four) = to[at..].first_chunk_mut() {
+        lanes.store(four);
+    }
+}
+
 /// Three numbers side by side.
 pub(crate) trait Triple: From<[f64; 3]> {
     /// Four of them as the numbers they are.

@@ -27,31 +27,36 @@ const SLOPES: [[[f64; 3]; 8]; 8] = shape_slopes(
     1.0,
 );
 
-/// The same in the middle, eight times.
-const MIDDLE: [[[f64; 3]; 8]; 8] = shape_slopes([[0.5; 2]; 2], 1.0);
+/// (corner): those in the middle of a cell.
+const MIDDLE: [[f64; 3]; 8] = corner_slopes([[0.5; 2]; 3], 1.0);
 
 /// (Gauss point, corner): slopes of trilinear shape functions along a, b and c; on each axis a corner's function is
 /// `shares[point][corner]` at a Gauss point and grows with `slope` or falls with it.
 pub(super) const fn shape_slopes(shares: [[f64; 2]; 2], slope: f64) -> [[[f64; 3]; 8]; 8] {
     let mut slopes = [[[0.0; 3]; 8]; 8];
-    let mut k = 0;
-    while k < 64 {
-        let (gauss, corner) = (k / 8, k % 8);
-        let (mut share, mut sign) = ([0.0; 3], [0.0; 3]);
-        let mut axis = 0;
-        while axis < 3 {
-            let bit = 4 >> axis;
-            let high = (corner & bit != 0) as usize;
-            share[axis] = shares[(gauss & bit != 0) as usize][high];
-            sign[axis] = [-slope, slope][high];
-            axis += 1;
-        }
-        slopes[gauss][corner] = [
-            sign[0] * share[1] * share[2],
-            share[0] * sign[1] * share[2],
-            share[0] * share[1] * sign[2],
+    let mut gauss = 0;
+    while gauss < 8 {
+        let [a, b, c] = [gauss >> 2, gauss >> 1 & 1, gauss & 1];
+        slopes[gauss] = corner_slopes([shares[a], shares[b], shares[c]], slope);
+        gauss += 1;
+    }
+    slopes
+}
+
+/// [`shape_slopes`] at one place; `shares`: (axis, corner).
+const fn corner_slopes(shares: [[f64; 2]; 3], slope: f64) -> [[f64; 3]; 8] {
+    let mut slopes = [[0.0; 3]; 8];
+    let mut corner = 0;
+    while corner < 8 {
+        let [a, b, c] = [corner >> 2, corner >> 1 & 1, corner & 1];
+        let share = [shares[0][a], shares[1][b], shares[2][c]];
+        let signs = [-slope, slope];
+        slopes[corner] = [
+            signs[a] * share[1] * share[2],
+            share[0] * signs[b] * share[2],
+            share[0] * share[1] * signs[c],
         ];
-        k += 1;
+        corner += 1;
     }
     slopes
 }
@@ -131,7 +136,7 @@ pub fn gauss_determinants(corners: &[Point3; 8]) -> [f64; 8] {
 
 /// Determinant of the trilinear map's Jacobian in the middle, m³, of a cell with these corners.
 pub fn middle_determinant(corners: &[Point3; 8]) -> f64 {
-    determinant(corners, &MIDDLE[0])
+    determinant(corners, &MIDDLE)
 }
 
 /// Of the columns ∂x/∂a, ∂x/∂b, ∂x/∂c.

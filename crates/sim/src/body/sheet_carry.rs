@@ -5,7 +5,7 @@
 //! squares along u and along v. What the weights miss of affine motions is added, so that those are exact.
 
 use super::deformable::Deformable;
-use super::node_map::SparseRows;
+use super::node_map::{SparseRows, surface_row};
 use palpate_geometry::basis::{Blending, BlendingInverse, KnotVector};
 use palpate_geometry::math::{Matrix3, Point3, Vector3};
 use palpate_geometry::surface::{ClosestSolver, Surface};
@@ -116,7 +116,7 @@ pub(super) fn carried(
     for &u in &us {
         for &v in &vs {
             let foot = solver.closest(whole, &part.point(u, v));
-            at.push(weights(whole, [foot.u, foot.v], of_control));
+            at.push(surface_row(whole, [foot.u, foot.v], of_control));
         }
     }
     let columns = part.net().columns();
@@ -180,23 +180,4 @@ fn samples_of_controls((knots, samples): (&KnotVector, &Vec<f64>)) -> Vec<Vec<(u
         }
     }
     all
-}
-
-/// Coordinates that a place of a surface is made of.
-fn weights(surface: &Surface, [u, v]: [f64; 2], of_control: &[u32]) -> Vec<(u32, f64)> {
-    let (wu, wv) = (surface.knots_u().window(u), surface.knots_v().window(v));
-    let (rows, columns) = (surface.net().rows(), surface.net().columns());
-    let mut weights = Vec::with_capacity(wu.len * wv.len);
-    for (a, n) in wu.values().iter().enumerate() {
-        for (b, m) in wv.values().iter().enumerate() {
-            let k = (wu.first + a) % rows * columns + (wv.first + b) % columns;
-            weights.push((
-                of_control[k],
-                n * m * surface.weights().map_or(1.0, |w| w[k]),
-            ));
-        }
-    }
-    let sum: f64 = weights.iter().map(|entry| entry.1).sum();
-    weights.iter_mut().for_each(|entry| entry.1 /= sum);
-    weights
 }

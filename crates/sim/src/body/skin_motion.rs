@@ -9,12 +9,12 @@
 use super::cells::{Cell, EDGES, gauss_determinants, middle_determinant};
 use super::deformable::Deformable;
 use super::matter::Matter;
-use super::node_map::{NodeMap, SparseRows};
+use super::node_map::{NodeMap, SparseRows, surface_row};
 use super::state::DeformableState;
 use super::tetrahedra::Tetrahedra;
 use super::through_skin::{Places, ThroughSkin};
 use palpate_geometry::math::{Point3, Vector3};
-use palpate_geometry::surface::{ClosestPoint, ClosestSolver, Surface};
+use palpate_geometry::surface::{ClosestSolver, Surface};
 use std::collections::BTreeMap;
 
 /// How far a coordinate of a control point may be from it, relative to the size of the surface.
@@ -248,7 +248,8 @@ impl<'a> OnSkin<'a> {
             if share > 0.0 {
                 let inside = by_cells(cells, body, &foot.point).into_iter();
                 row.extend(inside.map(|(c, weight)| (c, -share * weight)));
-                let outside = on_skin(body, skin, &foot).into_iter();
+                let outside =
+                    surface_row(skin, [foot.u, foot.v], &body.coordinate_of_control).into_iter();
                 row.extend(outside.map(|(c, weight)| (c, share * weight)));
             }
             row
@@ -260,23 +261,6 @@ impl<'a> OnSkin<'a> {
 fn share_of_skin(depth: f64) -> f64 {
     let inner = (1.0 - depth * depth).max(0.0);
     inner * inner
-}
-
-/// How a point of a skin moves.
-fn on_skin(body: &Matter, skin: &Surface, foot: &ClosestPoint) -> Vec<(u32, f64)> {
-    let [rows, columns] = [skin.net().rows(), skin.net().columns()];
-    let [wu, wv] = [skin.knots_u().window(foot.u), skin.knots_v().window(foot.v)];
-    let mut row = Vec::new();
-    for (a, n) in wu.values().iter().enumerate() {
-        for (b, m) in wv.values().iter().enumerate() {
-            let control = (wu.first + a) % rows * columns + (wv.first + b) % columns;
-            let weight = skin.weights().map_or(1.0, |weights| weights[control]);
-            row.push((body.coordinate_of_control[control], n * m * weight));
-        }
-    }
-    let sum: f64 = row.iter().map(|entry| entry.1).sum();
-    row.iter_mut().for_each(|entry| entry.1 /= sum);
-    row
 }
 
 /// How nodes inside a piece follow its net: those next to it most, those farthest inside not at all. Where nodes are not the

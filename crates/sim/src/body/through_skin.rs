@@ -35,7 +35,7 @@ pub(super) struct Places {
 
 /// Places in one direction.
 struct Direction {
-    /// Parameters.
+    /// Parameters on the surface, of all places.
     at: Vec<f64>,
     /// By control point: Nᵀ; at both ends of a line that does not close, the end itself.
     seen: Vec<Vec<(usize, f64)>>,
@@ -127,8 +127,8 @@ impl Direction {
 }
 
 impl ThroughSkin {
-    /// Of a surface without weights whose control points are these coordinates, u-major; `None` where control points are one
-    /// that are no pole.
+    /// Of a surface whose control points are these coordinates, u-major; `None` where it has weights, or where several control
+    /// points of a line are the same coordinate, unless all of them are.
     pub fn new(surface: &Surface, of: &[u32]) -> Option<Self> {
         if surface.weights().is_some() {
             return None;

@@ -317,8 +317,8 @@ mod tests {
         [old, new]
     }
 
-    // A piece that is the whole body, with its surface: nothing changes but for rounding. Inside a net, coordinates are no nodes, and
-    // only those outside are exact.
+    // A piece with the surface of the whole body changes by no more than rounding. Coordinates inside a body of model `net` are not
+    // nodes, so there only control points are exact.
     #[test]
     fn a_body_takes_itself_over() {
         for model in ["lattice", "continuum", "net"] {

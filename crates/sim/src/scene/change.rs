@@ -59,9 +59,9 @@ fn all_kept(spec: &SceneSpec) -> Vec<Origin> {
 #[derive(Clone, Debug)]
 pub struct SceneChange {
     /// As a file.
-    pub spec: SceneSpec,
+    pub(super) spec: SceneSpec,
     /// By body.
-    pub origins: Vec<Origin>,
+    origins: Vec<Origin>,
     /// By body: those that need not be built.
     pub(super) ready: Vec<Option<Arc<Body>>>,
 }
@@ -91,6 +91,16 @@ impl SceneChange {
     /// As [`Scene::build_to_run`].
     pub fn build_to_run(&self) -> Result<Scene, SceneError> {
         Scene::build_with(&self.spec, Path::new(""), &self.ready)?.checked_to_run()
+    }
+
+    /// The next scene as a file.
+    pub fn spec(&self) -> &SceneSpec {
+        &self.spec
+    }
+
+    /// Where its bodies come from.
+    pub fn origins(&self) -> &[Origin] {
+        &self.origins
     }
 
     /// What the next scene says of a body; `None` without a body of that id.

@@ -40,7 +40,7 @@ fn go_on(world: &mut World, done: &SceneCut) {
 }
 
 fn follow(world: &mut World, next: Scene, done: &SceneCut) {
-    let carry = CarryOver::new(&world.scene, &next, done.change.origins.clone());
+    let carry = CarryOver::new(&world.scene, &next, done.change.origins().to_vec());
     let mut state = next.initial_state();
     next.carry_over(&world.scene, &world.state, &carry, &mut state);
     world.scratch = next.scratch(&state);
@@ -498,8 +498,8 @@ fn skins_differ(
     [deepest[0], deepest[1], f64::sqrt(sum / count)]
 }
 
-// A pen presses a narrow hollow: the skin of the piece under it has it too, and the force goes on without a peak. As its control
-// points went with the matter at their places, the skin was 0.03 to 0.1 mm off, and forces grew by up to 58 %.
+// A pen presses a narrow hollow, and the skin of the piece under it has it too: with control points that move as the matter at
+// their places does, skins are 0.03 to 0.1 mm off. Other cells under the same skin press otherwise until they have settled.
 #[test]
 fn the_skin_of_a_piece_is_where_the_skin_was() {
     let held = "fixed = [{ point = [0.0, 0.0, -0.01], normal = [0.0, 0.0, 1.0] }]";
@@ -564,7 +564,7 @@ fn cut_or_refused(world: &mut World, body: &str, plane: &CutPlane) -> Result<usi
             return Err(error.to_string());
         }
     };
-    let text = |done: &SceneCut| toml::to_string(&done.change.spec).unwrap();
+    let text = |done: &SceneCut| toml::to_string(done.change.spec()).unwrap();
     assert!(
         text(&done) == text(&again.unwrap()),
         "another cut came of it"
@@ -620,7 +620,7 @@ fn goes_on(world: &World) {
 
 // A thousandth of the size inside, and just touching.
 #[test]
-fn a_plane_that_grazes_a_body_cuts_it_or_says_why() {
+fn a_plane_that_grazes_a_body_cuts_it() {
     for normal in [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 2.0, 3.0]] {
         let normal = Vector3::from(normal).normalize();
         let mut world = World::new(&small(MOVING));
@@ -630,36 +630,25 @@ fn a_plane_that_grazes_a_body_cuts_it_or_says_why() {
         let at = |depth_m: f64| plane((place - normal * depth_m).coords.into(), normal.into());
         let tangent = cut_or_refused(&mut world, "jelly", &at(-1e-9)).unwrap_err();
         assert!(tangent.contains("does not cut"), "{tangent}");
-        for depth_m in [0.0, 6e-5] {
-            let grazed = cut_or_refused(&mut world, "jelly", &at(depth_m));
-            println!("{depth_m} m inside: {grazed:?}");
-            assert!(
-                grazed
-                    .as_ref()
-                    .map_or_else(|e| e.contains("jelly"), |n| *n == 2),
-                "{grazed:?}"
-            );
-            if grazed.is_ok() {
-                break;
-            }
-        }
+        assert_eq!(cut_or_refused(&mut world, "jelly", &at(6e-5)), Ok(2));
     }
 }
 
-// The inner equator of a ring touches the plane: its curve is a figure of eight.
+// The inner equator of a ring touches the plane: its curve is a figure of eight, or nearly one; farther out there is a hole.
 #[test]
-fn a_saddle_in_the_plane_cuts_a_ring_or_says_why() {
-    for at in [0.03, 0.03 - 1e-7, 0.031] {
+fn a_saddle_in_the_plane_is_refused_with_its_reason() {
+    for (at, reason) in [
+        (0.03, "touch in single points"),
+        (0.03 - 1e-7, "triangles"),
+        (0.031, "holes"),
+    ] {
         let mut world = World::new(
             "[[body]]\nid = \"ring\"\nsurface = { builtin = \"torus\" }\nmodel = \"lattice\"\n\
              material = { young_pa = 2e4 }\nlattice = { refine = \"none\" }\n",
         );
-        let cut = cut_or_refused(&mut world, "ring", &plane([at, 0.0, 0.0], [1.0, 0.0, 0.0]));
-        println!("at {at} m: {cut:?}");
-        match cut {
-            Ok(pieces) => assert!(pieces >= 2 && at < 0.03, "{pieces} pieces at {at} m"),
-            Err(reason) => assert!(reason.contains("ring"), "{reason}"),
-        }
+        let plane = plane([at, 0.0, 0.0], [1.0, 0.0, 0.0]);
+        let error = cut_or_refused(&mut world, "ring", &plane).unwrap_err();
+        assert!(error.contains(reason), "at {at} m: {error}");
     }
 }
 
@@ -704,8 +693,8 @@ fn pieces_are_held_where_the_body_was() {
     }
 }
 
-// Two tools press from both sides, each goes on with its own piece. Beside its pole: pressed right there, such a piece of
-// springs trembles, also one that never was part of a body.
+// Two tools press from both sides, each goes on with its own piece. Other cells under the same skin press up to a fifth more
+// for a few ticks, as in [`the_skin_of_a_piece_is_where_the_skin_was`], and then less, since a half is softer.
 #[test]
 fn two_tools_press_on_with_a_piece_each() {
     let mut text = small("fixed = [{ point = [0.0, 0.0, -0.01], normal = [0.0, 0.0, 1.0] }]");
@@ -760,26 +749,17 @@ fn two_tools_press_on_with_a_piece_each() {
     }
 }
 
-// A slice of a thousandth of the size.
+// Slices of a thousandth and a hundredth of the size.
 #[test]
-fn a_second_cut_beside_the_first_cuts_or_says_why() {
+fn a_second_cut_beside_the_first_is_refused_with_its_reason() {
     let mut world = World::new(&small(MOVING));
     rest(&mut world, 5);
     let at = |z: f64| plane([0.0, 0.0, z], [0.0, 0.0, 1.0]);
     assert_eq!(cut_or_refused(&mut world, "jelly", &at(0.003)), Ok(2));
     let upper = world.scene.body_id(0).to_owned();
     for more_m in [6e-5, 6e-4] {
-        let slice = cut_or_refused(&mut world, &upper, &at(0.003 + more_m));
-        println!("{more_m} m above the first cut: {slice:?}");
-        assert!(
-            slice
-                .as_ref()
-                .map_or_else(|e| e.contains(&upper), |n| *n >= 2),
-            "{slice:?}"
-        );
-        if slice.is_ok() {
-            break;
-        }
+        let error = cut_or_refused(&mut world, &upper, &at(0.003 + more_m)).unwrap_err();
+        assert!(error.contains("too thin"), "{more_m} m: {error}");
     }
 }
 
@@ -867,7 +847,7 @@ fn what_is_ready_goes_on_as_what_its_file_says() {
             let done = try_cut(world, "jelly", &plane, 0.0).unwrap_or_else(|e| panic!("{e}"));
             let next = match k {
                 0 => done.change.build_to_run(),
-                _ => Scene::build(&done.change.spec, Path::new(".")),
+                _ => Scene::build(done.change.spec(), Path::new(".")),
             };
             follow(world, next.unwrap_or_else(|e| panic!("{e}")), &done);
         }
@@ -945,3 +925,37 @@ fn most_pieces_of_a_continuum_are_continua() {
 }
 
 const PLANES: usize = 4;
+
+// The first rows of control points around a pole are smooth, so that a press there holds still: after half a second the force
+// stays within what the springs of a whole ball give it.
+#[test]
+fn a_press_on_the_pole_of_a_piece_holds_still() {
+    for model in ["continuum", "lattice"] {
+        let held = "fixed = [{ point = [0.0, 0.0, -0.012], normal = [0.0, 0.0, 1.0] }]";
+        let model = format!("model = \"{model}\"\nmaterial = {{ young_pa = 2e4 }}");
+        let mut world = World::new(&jelly(&model, held));
+        let below = plane([0.0, 0.0, -0.016], [0.02, 0.05, 1.0]);
+        cut(&mut world, "jelly", &below, 0.0);
+        let rest = world.scene.rest_surface(0).expect("a surface");
+        let (start, end) = rest.knots_v().domain();
+        let poles = [start, end].map(|v| rest.point(0.0, v));
+        let pole = poles
+            .into_iter()
+            .max_by(|a, b| a.z.total_cmp(&b.z))
+            .unwrap();
+        let at = |k: usize| {
+            let height = 0.0055 - 4e-5 * k.min(75) as f64;
+            [pole.x + 1e-4, pole.y, pole.z + height]
+        };
+        let forces: Vec<f64> = (0..600)
+            .map(|k| world.at(at(k)).tools[0].force_n.norm())
+            .collect();
+        let most = forces[500..].iter().copied().fold(0.0, f64::max);
+        let least = forces[500..].iter().copied().fold(f64::INFINITY, f64::min);
+        println!("{model}: {least} to {most} N");
+        assert!(
+            least > 0.1 && most < 1.03 * least,
+            "{model}: {least} to {most} N"
+        );
+    }
+}

@@ -63,7 +63,7 @@ impl Harmonic {
         Self::of(net, edges, unknown, count as usize)
     }
 
-    /// The same with the weight of each edge multiplied by its factor; `factors`: (edges of the net).
+    /// A harmonic map with other weights: that of each edge times its factor; `factors`: (edges of the net).
     pub fn reweighted(&self, net: &Net, factors: &[f64]) -> Option<Self> {
         let edges = self.edges.iter();
         let edges = edges.map(|&(e, weight)| (e, weight * factors[e as usize]));

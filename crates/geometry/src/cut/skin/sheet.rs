@@ -66,9 +66,9 @@ impl Cut {
     /// surface of four sides, whose corners are the sharpest; without, a disc about a pole; with two rims, a ring.
     ///
     /// # Errors
-    /// A cut into bodies with caps; a piece with more than two rims, with a hole through it or that touches itself; one that
-    /// bulges too much behind a narrow rim; a spacing
-    /// that is not finite and above 0, or that takes too many points; a surface at rest with other knots.
+    /// A cut into bodies with caps; a piece with more than two rims, with a hole through it or that touches itself; one on which
+    /// no net lies without folds; a spacing that is not finite and above 0, or that takes too many points; a surface at rest
+    /// with other knots.
     ///
     /// # Examples
     /// ```

@@ -59,6 +59,21 @@ fn size(piece: &crate::cut::Piece) -> f64 {
     (piece.skin_area_m2 + piece.cap_area_m2).sqrt()
 }
 
+/// The row of control points next to each pole is a regular polygon, stretched and sheared: so are all of which
+/// P(i + 1) + P(i − 1) − 2 cos(2 π / n) P(i) is the same for all i.
+fn check_poles(surface: &Surface, what: &str) {
+    let net = surface.net();
+    let count = net.rows();
+    let turn = 2.0 * (TAU / count as f64).cos();
+    for j in [1, net.columns() - 2] {
+        let at = |i: usize| net.at(i % count, j).coords;
+        let sum = |i: usize| at(i + 1) + at(i + count - 1) - at(i) * turn;
+        let off_m = (0..count).map(|i| (sum(i) - sum(0)).norm());
+        let most_m = off_m.fold(0.0, f64::max);
+        assert!(most_m < 1e-14, "{what}: row {j} is {most_m} m off");
+    }
+}
+
 /// Closed, with poles, outwards, and about the volume it shall have.
 fn check(made: &PieceSkin, volume_m3: f64, counts: [usize; 2], what: &str) {
     let surface = &made.surface;
@@ -69,6 +84,7 @@ fn check(made: &PieceSkin, volume_m3: f64, counts: [usize; 2], what: &str) {
     assert_eq!(&surface.clone().with_exact_seams(), surface, "{what}");
     let net = surface.net();
     assert_eq!([net.rows(), net.columns()], counts, "{what}");
+    check_poles(surface, what);
     let off = surface.volume() - volume_m3;
     let most = 0.5 * made.off_m * surface.area() + 1e-9 * volume_m3;
     assert!(

@@ -4,7 +4,7 @@ use super::{Below, BlockCholesky, BlockTriplets, COLUMNS, DIAGONAL_ROWS, PANEL, 
 use crate::math::cholesky::{CholeskyError, elimination_tree};
 #[cfg(target_arch = "x86_64")]
 use crate::math::lanes::Wide;
-use crate::math::lanes::{Baseline, Lanes};
+use crate::math::lanes::{Baseline, Lanes, load, store};
 use crate::math::{Lane, Point3, Random, ordering};
 
 /// A node joins the panel of the node before it while zeros are at most this share of its column.
@@ -241,21 +241,6 @@ impl Dense {
     }
 }
 
-#[inline(always)]
-fn load<L: Lanes>(from: &[f64], at: usize) -> L {
-    match from[at..].first_chunk() {
-        Some(four) => L::load(four),
-        None => L::splat(0.0),
-    }
-}
-
-#[inline(always)]
-fn store<L: Lanes>(lanes: L, to: &mut [f64], at: usize) {
-    if let Some(four) = to[at..].first_chunk_mut() {
-        lanes.store(four);
-    }
-}
-
 /// c −= a bᵀ for the three columns of a node: `source` are its panel's numbers from row `first` on, which is also where b is;
 /// the three rows of each node of c begin where `nodes` say, and `target` begins with its first column.
 #[inline(always)]
@@ -466,7 +451,7 @@ impl Structure {
     }
 }
 
-/// The same code with 256-bit registers; no fused multiply-add, so the bits are the same.
+/// [`Numeric::factor_in`] with 256-bit registers and without fused multiply-add: it gives the bits of the baseline.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
 fn factor_wide(

@@ -7,7 +7,7 @@
 use super::pull::Pull;
 use crate::body::elements::springs::Spring;
 use palpate_geometry::math::Lane;
-use palpate_geometry::math::lanes::{Four, Lanes};
+use palpate_geometry::math::lanes::{Four, Lanes, load, store};
 
 /// A group with fewer springs is as cheap among those without order.
 const LEAST_FILLED: usize = 2;
@@ -190,21 +190,6 @@ impl Panels {
             store(load::<L>(to, a + z) + sz, to, a + z);
         }
         gather::<L>(to, self.room, residual);
-    }
-}
-
-#[inline(always)]
-fn load<L: Lanes>(from: &[f64], at: usize) -> L {
-    match from[at..].first_chunk() {
-        Some(four) => L::load(four),
-        None => L::splat(0.0),
-    }
-}
-
-#[inline(always)]
-fn store<L: Lanes>(lanes: L, to: &mut [f64], at: usize) {
-    if let Some(four) = to[at..].first_chunk_mut() {
-        lanes.store(four);
     }
 }
 
