@@ -4,11 +4,11 @@
 //! enter ─▶ waiting ─ whole request ─▶ served ─ answered ─▶ waiting …
 //!                  └ one of health ─▶ urgent ─┘
 //! ```
-//! Each stage has places of its own: those who only wait keep nobody from being served, and those who are served
-//! keep nobody from asking for health. A newcomer need not wait for a deadline: of those who wait the one leaves that
+//! Each stage has places of its own: those who only wait keep no one from being served, and those who are served
+//! keep no one from asking for health. A newcomer need not wait for a deadline: of those who wait the one leaves that
 //! has waited longest, of the address that has most of them, so that on loopback, where all have one address, the
 //! rule still holds. Of those who are served one leaves that takes nothing of what it is sent; where all do, the
-//! newcomer is told that there is no room.
+//! newcomer is refused.
 //!
 //! Connections are ended by shutting them down, which wakes whoever reads or writes them: the same for tasks and
 //! for threads.

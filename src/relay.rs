@@ -1,10 +1,10 @@
-//! Between a daemon and many who watch: a Zenoh router that thins nets, and on request lets nobody write.
+//! Between a daemon and many who watch: a Zenoh router that thins nets, and on request lets no one write.
 //!
 //! ```text
 //! daemon ◀─ one link ─▶ relay ◀─▶ viewers, further relays
 //! ```
 //! A daemon sends each message to every client that it is connected to. Behind a relay it sends it once.
-//! What the router does with messages is told to Zenoh as downsampling and access-control rules; nothing
+//! What the router does with messages is configured in Zenoh as downsampling and access-control rules; nothing
 //! of ours touches them on their way.
 
 use crate::transport::{ROUTER_PATIENCE, bound};
@@ -62,7 +62,7 @@ pub enum RelayError {
         /// What is wrong.
         reason: String,
     },
-    /// Nobody answers.
+    /// No one answers.
     #[error("nobody answers at {endpoint}: {reason}; is `palpate serve` or a relay running there?")]
     Unreachable {
         /// As given.
@@ -242,7 +242,7 @@ impl RelaySettings {
         Ok(config)
     }
 
-    /// What Zenoh is told to do with messages: key of its configuration, and value.
+    /// What Zenoh is to do with messages: key of its configuration, and value.
     pub fn rules(&self, upstream: &str) -> Vec<(&'static str, Value)> {
         let mut rules = Vec::new();
         if let Some(hz) = self.net_hz {

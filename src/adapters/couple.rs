@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 pub struct Coupling<'a> {
     /// Frames, clutch, safety.
     pub coupler: Coupler,
-    /// What the device can do; its rate is measured and told anew when it is known.
+    /// What the device can do; its rate is measured and reported again once it is known.
     pub info: DeviceInfo,
     /// Set to end.
     pub stop: &'a AtomicBool,
@@ -50,7 +50,7 @@ const ANSWER: Duration = Duration::from_millis(2);
 const LOCKSTEP_TURN: Duration = Duration::from_millis(100);
 /// Time over which a rate is measured.
 const MEASURED: Duration = Duration::from_millis(500);
-/// A rate that changes by less is not told.
+/// A rate that changes by less is not reported.
 const SAME_RATE: f64 = 0.1;
 /// Slower devices are warned of.
 const USUAL_HZ: f64 = 900.0;
@@ -108,8 +108,9 @@ fn turn_after_turn<D: DeviceEnd>(
         let command = coupler.command(&answer_of(&force, newest.gain(now) == 0.0));
         // In lockstep every pose has its answer, and nothing else is said. In real time the last force fades
         // when no other comes.
-        let is_new =
-            last.is_none_or(|(tick, told)| tick != force.tick || (!lockstep && told != command));
+        let is_new = last.is_none_or(|(tick, reported)| {
+            tick != force.tick || (!lockstep && reported != command)
+        });
         if is_new && (!lockstep || answered > 0) {
             last = Some((force.tick, command));
             device.apply(&command).map_err(CoupleError::Device)?;

@@ -27,7 +27,7 @@ pub enum HaplyLinkError {
         "{0} is another machine, and a WebSocket does not say who answers there: reach it through `ssh -L`, or say --insecure"
     )]
     Exposed(String),
-    /// Nobody answers.
+    /// No one answers.
     #[error("no Inverse Service answers at {uri}: {reason}; is it running? see --uri")]
     Unreachable {
         /// As given.

@@ -46,7 +46,7 @@ struct Shared {
     pose: ToolPose,
     pace: Pace,
     force: [f64; 3],
-    told: Instant,
+    reported: Instant,
     now: Instant,
 }
 
@@ -61,7 +61,7 @@ impl Shared {
             Pace::Time => {
                 self.catch_up();
                 if let Some(force) = force {
-                    (self.force, self.told) = (force, Instant::now());
+                    (self.force, self.reported) = (force, Instant::now());
                 }
             }
         }
@@ -76,7 +76,7 @@ impl Shared {
         }
         while now.saturating_duration_since(self.now) >= period {
             self.now += period;
-            if self.now.saturating_duration_since(self.told) > KEPT {
+            if self.now.saturating_duration_since(self.reported) > KEPT {
                 self.force = [0.0; 3];
             }
             self.pose = self.hand.step(self.force, [0.0; 3]);
@@ -118,7 +118,7 @@ pub fn serve(
         hand,
         pace,
         force: [0.0; 3],
-        told: Instant::now(),
+        reported: Instant::now(),
         now: Instant::now(),
     }));
     let door = Door::new(LIMITS);

@@ -18,7 +18,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// Clients at once: for another one that which has said nothing for longest leaves. Slicer only listens, so nobody
+/// Clients at once: for another one that which has said nothing for longest leaves. Slicer only listens, so no one
 /// leaves for silence alone.
 const LIMITS: Limits = Limits {
     waiting: 8,
@@ -166,9 +166,9 @@ fn write_all(
     gone: &AtomicBool,
 ) -> std::io::Result<()> {
     while !gone.load(Ordering::Acquire) && !shared.stop.load(Ordering::Acquire) {
-        for (tool, forces, told) in &mut *proxies {
+        for (tool, forces, reported) in &mut *proxies {
             let newest = forces.newest();
-            let is_new = std::mem::replace(told, newest.received) != newest.received;
+            let is_new = std::mem::replace(reported, newest.received) != newest.received;
             if let Some(force) = newest.force.filter(|_| is_new) {
                 let (at, turned) = (force.proxy_position, force.proxy_orientation);
                 stream.write_all(&transform(tool, force.t_server_ns, at, turned))?;
@@ -235,7 +235,7 @@ fn move_tool(
         let token = palpate.keys().live_tool(id);
         let holders = palpate.live(&token, Duration::ZERO, |_| true)?;
         anyhow::ensure!(holders.is_empty(), "tool {id:?} is held by somebody else");
-        // Without a description: the forces of a tracked tool press bodies, and nobody feels them.
+        // Without a description: the forces of a tracked tool press bodies, and no one feels them.
         held.insert(id.clone(), palpate.tool(id)?);
     }
     if let Some(tool) = held.get_mut(id) {

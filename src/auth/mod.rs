@@ -4,7 +4,7 @@
 //! Authority (ca.pem, ca.key) ─▶ identity file: key, certificate with a role, the authority's certificate
 //! identity of a client ─▶ TLS ─▶ role (common name) ─▶ rules(instance, tools): keys and verbs
 //! ```
-//! TLS and the enforcement are Zenoh's; here are what it is told. An identity file is a Zenoh
+//! TLS and the enforcement are Zenoh's; here is how they are configured. An identity file is a Zenoh
 //! configuration, so that clients in any language can use it.
 
 mod authority;

@@ -91,7 +91,7 @@ impl Sweep {
         &self.plan
     }
 
-    /// Runs all of a shard. `progress` is told how many are done, and of how many; it may be called
+    /// Runs all of a shard. `progress` gets how many are done, and of how many; it may be called
     /// by any job. What goes wrong in a run is in its row and stops no other.
     pub fn run(&self, settings: &Settings, progress: impl Fn(usize, usize) + Sync) -> Batch {
         let (part, parts) = settings.shard;

@@ -115,7 +115,7 @@ impl Plan {
             motions,
             samples,
         };
-        // A misspelt key would fail in every run: better told before the first.
+        // A misspelt key would fail in every run: better reported before the first.
         let first = plan.case(0);
         let loaded = plan.scene_of(&first).map_err(|reason| match reason {
             Unread::Path(reason) => wrong("vary", reason),
@@ -288,7 +288,8 @@ fn hands(
                 None
             }
             Some(name) => {
-                let told = |error: palpate_client::device::DeviceError| wrong(error.to_string());
+                let reported =
+                    |error: palpate_client::device::DeviceError| wrong(error.to_string());
                 let model = match is_file(name) {
                     true => DeviceModel::from_toml(&read(name)?, name),
                     false => DeviceModel::preset(name),
@@ -298,11 +299,11 @@ fn hands(
                     true => Hand::from_toml(&read(named)?, named),
                     false => Hand::preset(named),
                 }
-                .map_err(told)?;
+                .map_err(reported)?;
                 if let Some(tremor_m) = spec.tremor_m {
-                    hand = Hand { tremor_m, ..hand }.checked().map_err(told)?;
+                    hand = Hand { tremor_m, ..hand }.checked().map_err(reported)?;
                 }
-                Some((model.map_err(told)?, hand))
+                Some((model.map_err(reported)?, hand))
             }
         };
         if spec.depth_m.is_nan() || spec.depth_m.abs() > 1.0 {

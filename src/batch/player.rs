@@ -87,7 +87,7 @@ impl<'p> Player<'p> {
             self.prepared = None;
             let words = panic.downcast_ref::<String>().map(String::as_str);
             let words = words.or_else(|| panic.downcast_ref::<&str>().copied());
-            let error = format!("panicked: {}", words.unwrap_or("no reason told"));
+            let error = format!("panicked: {}", words.unwrap_or("no reason given"));
             (Outcome::failed(error, String::new()), false)
         })
     }
@@ -97,11 +97,11 @@ impl<'p> Player<'p> {
             self.prepared = Some((case.sample, prepare(self.plan, case)));
         }
         let Some((_, Ok(prepared))) = &mut self.prepared else {
-            let told = match &self.prepared {
-                Some((_, Err(told))) => told.clone(),
+            let reported = match &self.prepared {
+                Some((_, Err(reported))) => reported.clone(),
                 _ => String::new(),
             };
-            return (Outcome::failed(told, String::new()), false);
+            return (Outcome::failed(reported, String::new()), false);
         };
         let hands = &self.plan.motions[case.motion].1;
         let key = key(prepared, hands, case.seed, self.plan.for_s);
@@ -115,7 +115,7 @@ impl<'p> Player<'p> {
             let scene = loaded.build_to_run().map_err(|e| e.to_string())?;
             // What is found about one sample holds for most.
             for finding in scene.warnings().iter().filter(|_| sample == 0) {
-                tracing::warn!(sample, "{}", loaded.told(finding));
+                tracing::warn!(sample, "{}", loaded.message(finding));
             }
             Ok(Arc::new(scene))
         };
@@ -211,8 +211,8 @@ impl Hands {
         for (tool, plan) in plans {
             let index = (scene.tool_index(tool))
                 .ok_or_else(|| format!("the scene has no tool {tool:?}"))?;
-            let told = |error: &dyn std::fmt::Display| format!("hands.{tool}: {error}");
-            let motion = aimed(plan, &snapshot, tool).map_err(|error| told(&error))?;
+            let reported = |error: &dyn std::fmt::Display| format!("hands.{tool}: {error}");
+            let motion = aimed(plan, &snapshot, tool).map_err(|error| reported(&error))?;
             let spec = &plan.spec;
             let mut device = None;
             if let Some((model, hand)) = &plan.device {
@@ -233,7 +233,7 @@ impl Hands {
                 let start = motion.goal(0.0).position;
                 device = Some(Box::new((
                     SimulatedDevice::new(model.clone(), hand.clone(), start, seed),
-                    servo.map_err(|error| told(&error))?,
+                    servo.map_err(|error| reported(&error))?,
                 )));
             }
             hands.list.push(HandAtWork {

@@ -194,7 +194,7 @@ fn show(args: &ShowArgs) -> anyhow::Result<Outcome> {
     Ok(outcome)
 }
 
-/// False when nobody would let it in.
+/// False when no one would let it in.
 fn print(file: &Path, identity: &Identity, instance: &str) -> anyhow::Result<bool> {
     let now = OffsetDateTime::now_utc();
     let days = (identity.until - now).whole_hours() as f64 / 24.0;

@@ -63,7 +63,7 @@ fn shard(text: &str) -> Result<(usize, usize), String> {
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let sweep = Sweep::load(&args.sweep)?;
     let plan = sweep.plan();
-    // An ending that is none is told before hours of work.
+    // An unknown file type is refused before hours of work.
     let formats = args.output.iter().map(|path| Format::of(path));
     let formats = formats.collect::<Result<Vec<_>, _>>()?;
     for path in &args.output {

@@ -82,7 +82,7 @@ pub fn judge(loaded: &file::Loaded, json: bool) -> anyhow::Result<Outcome> {
             FindingKind::Unusual => "; --any-size accepts it",
             FindingKind::Wrong | FindingKind::Limit => "",
         };
-        eprintln!("{}{accept}", loaded.told(finding));
+        eprintln!("{}{accept}", loaded.message(finding));
     }
     let is = |kind| findings.iter().any(|finding| finding.kind == kind);
     if fault {

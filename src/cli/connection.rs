@@ -23,7 +23,7 @@ pub struct Connection {
     /// Identity file for endpoints with TLS (see `palpate auth issue`).
     #[arg(long, value_name = "FILE")]
     pub identity: Option<PathBuf>,
-    /// Also connect to other machines without TLS, where nobody knows who answers.
+    /// Also connect to other machines without TLS, where no one knows who answers.
     #[arg(long)]
     pub insecure: bool,
 }

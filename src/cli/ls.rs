@@ -173,7 +173,7 @@ impl Instance {
             "viewer" => drop(self.viewer.get_or_insert_with(|| "yes".into())),
             "tool" => match self.tools.iter_mut().find(|tool| tool.id == id) {
                 Some(tool) => tool.held = true,
-                // Somebody waits for a daemon, or holds what this scene does not have.
+                // Someone waits for a daemon, or holds what this scene does not have.
                 None => self.tools.push(ListedTool {
                     id: id.to_owned(),
                     held: true,

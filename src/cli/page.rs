@@ -37,7 +37,7 @@ impl PageArgs {
     /// The address of the page, if everybody on the network may do everything there.
     ///
     /// # Errors
-    /// It is so, and nobody said that it may be.
+    /// It is so, and no one said that it may be.
     pub fn everybody(&self, insecure: bool) -> anyhow::Result<Option<String>> {
         let wide = self.http.filter(|address| !is_loopback(address.ip()));
         let Some(address) = wide.filter(|_| !self.http_view_only) else {
@@ -103,7 +103,7 @@ pub fn open_in_browser(url: &str) {
         .stderr(Stdio::null())
         .spawn();
     match started {
-        // Nobody waits for it, but somebody must.
+        // No one waits for it, but someone must.
         Ok(mut child) => drop(std::thread::spawn(move || child.wait())),
         Err(error) => tracing::debug!(%error, program, "opening the page"),
     }

@@ -72,7 +72,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             println!("  {tool}");
         }
         for finding in &findings {
-            println!("  note {}", loaded.told(finding));
+            println!("  note {}", loaded.message(finding));
         }
     }
     let tools = scene.tool_count();

@@ -23,7 +23,7 @@ pub struct Args {
     /// Pass on at most this many control nets a second of each body [default: all].
     #[arg(long, value_name = "HZ")]
     net_hz: Option<f64>,
-    /// Let nobody behind it move tools, send commands or publish anything.
+    /// Let no one behind it move tools, send commands or publish anything.
     #[arg(long)]
     read_only: bool,
     /// Also listen and connect without TLS to other machines: anyone there reads what goes through, and

@@ -28,7 +28,7 @@ pub fn load(scene: &Path) -> anyhow::Result<Loaded> {
 /// Says what was found about a scene that is about to run.
 pub fn warn(loaded: &Loaded, scene: &Scene) {
     for finding in scene.warnings() {
-        tracing::warn!("{}", loaded.told(finding));
+        tracing::warn!("{}", loaded.message(finding));
     }
 }
 

@@ -106,7 +106,7 @@ pub struct Common {
     /// Re-run every N ticks on a second thread and check that the results are bit-identical.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub self_check: Option<u32>,
-    /// Port of the Agones sidecar that is told how the daemon fares.
+    /// Port of the Agones sidecar that gets the daemon's state.
     #[arg(skip)]
     pub agones: Option<u16>,
 }
@@ -279,7 +279,7 @@ pub fn serve(
     })?;
     open.everybody
         .extend(common.page.everybody(common.access.insecure)?);
-    let open = super::access::told(open);
+    let open = super::access::reported(open);
     if may_meet_others {
         let keys = Keys::new(&common.instance)?;
         if let Some(other) = daemon_of(&session, &keys, LOOK_FOR_OTHERS)? {
@@ -359,7 +359,7 @@ pub fn serve(
             (Some(check), Box::new(port) as Box<dyn Journal>)
         }
     };
-    // Dropped last: it tells that the daemon ends.
+    // Dropped last: it reports that the daemon ends.
     let agones = match (common.agones, health) {
         (Some(port), Some(health)) => {
             let keys = Keys::new(&common.instance)?;

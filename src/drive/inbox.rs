@@ -137,7 +137,7 @@ impl PoseInbox {
             _ => {}
         }
         // And so may one that was silent: a number from the end of the range, sent by mistake or by another
-        // without an id, locks nobody out for longer.
+        // without an id, locks no one out for longer.
         let silent = (slot.holder).is_some_and(|(_, heard)| since(heard) > SILENT);
         if silent && pose.seq < slot.newest {
             slot.newest = 0;
@@ -175,7 +175,7 @@ impl PoseInbox {
         (heard.elapsed() <= HELD).then_some(holder)
     }
 
-    /// This client holds the tool, or nobody does.
+    /// This client holds the tool, or no one does.
     pub fn may_hold(&self, sender: SenderId) -> bool {
         self.holder().is_none_or(|holder| holder == sender)
     }

@@ -29,7 +29,7 @@ struct Job {
 pub(super) struct Maker {
     /// By body: here while nothing is made for it.
     idle: Vec<Option<Box<Job>>>,
-    /// By body: somebody still wants what is being made.
+    /// By body: someone still wants what is being made.
     pub(super) wanted: Vec<bool>,
     out: rtrb::Producer<Box<Job>>,
     back: rtrb::Consumer<Box<Job>>,
@@ -90,7 +90,7 @@ impl Maker {
 
     pub(super) fn make(&mut self, body: usize, state: &DeformableState) {
         self.fetch();
-        // Busy with one that nobody wants any more: this one is made in its tick.
+        // Busy with one that no one wants any more: this one is made in its tick.
         let Some(mut job) = self.idle[body].take() else {
             return;
         };

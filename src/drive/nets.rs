@@ -32,7 +32,7 @@ pub struct NetPool {
 #[derive(Debug)]
 struct Frames {
     pool: Pool<NetFrame>,
-    /// The net of the present tick, if somebody asked for it.
+    /// The net of the present tick, if someone asked for it.
     filled: Option<Arc<NetFrame>>,
 }
 

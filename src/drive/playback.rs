@@ -68,7 +68,7 @@ pub struct PlayPort {
     pub news: Sender<PlayNews>,
 }
 
-/// Both ends, and one more way in for requests that nobody waits for (number 0).
+/// Both ends, and one more way in for requests that no one waits for (number 0).
 pub fn playback() -> (PlayerEnd, PlayPort, Sender<(u64, PlayRequest)>) {
     let (request_in, request_out) = channel();
     let (news_in, news_out) = channel();

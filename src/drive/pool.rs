@@ -27,7 +27,7 @@ impl<T> Pool<T> {
         }
     }
 
-    /// Fills a buffer that nobody reads and gives it out; `None` when all are being read.
+    /// Fills a buffer that no one reads and gives it out; `None` when all are being read.
     pub fn fill(&mut self, fill: impl FnOnce(&mut T)) -> Option<&Arc<T>> {
         let count = self.buffers.len();
         let free = (0..count)

@@ -48,7 +48,7 @@ pub struct CommandRequest {
 pub struct Told {
     /// Its forces.
     pub output: TickOutput,
-    /// Who sent the poses that they answer; of nobody before the first.
+    /// Who sent the poses that they answer; of no one before the first.
     pub senders: Vec<SenderId>,
 }
 
@@ -99,7 +99,7 @@ pub struct Overruns {
 pub struct LateSteps([AtomicU64; LateSteps::BODIES]);
 
 impl LateSteps {
-    /// Bodies that are told apart.
+    /// Bodies that have counts of their own.
     pub const BODIES: usize = 32;
 
     /// A step of a body is put off by a tick.
@@ -313,7 +313,7 @@ impl TickPorts {
         self.nets.schedule.restart();
     }
 
-    /// Somebody asks the loop to end.
+    /// Someone asks the loop to end.
     pub fn stop_asked(&self) -> bool {
         self.counters.stop.load(Ordering::Acquire)
     }
@@ -321,9 +321,9 @@ impl TickPorts {
     /// The force is known: tell the bus.
     pub fn publish(&mut self, output: &TickOutput) {
         let senders = &self.senders;
-        let sent = self.outputs.send(|told| {
-            told.output.clone_from(output);
-            told.senders.clone_from(senders);
+        let sent = self.outputs.send(|reported| {
+            reported.output.clone_from(output);
+            reported.senders.clone_from(senders);
         });
         if !sent {
             self.counters.bus_drops.fetch_add(1, Ordering::Relaxed);

@@ -33,7 +33,7 @@ pub struct Workers {
 }
 
 /// Two threads for one body: after a reset the next step begins on the other one, so that nothing
-/// waits for the step that nobody wants any more.
+/// waits for the step that no one wants any more.
 #[derive(Debug)]
 struct Worker {
     scene: Arc<Scene>,
@@ -47,7 +47,7 @@ struct Worker {
 struct Lane {
     /// Here between steps.
     idle: Option<Box<BodyStep>>,
-    /// Nobody wants the step that is under way.
+    /// No one wants the step that is under way.
     forgotten: bool,
     out: rtrb::Producer<Box<BodyStep>>,
     back: rtrb::Consumer<Box<BodyStep>>,
@@ -249,7 +249,7 @@ impl Pipeline for Workers {
                 worker.lane().forgotten = true;
                 worker.current = 1 - worker.current;
                 // Here a step is only if the one before was forgotten a moment ago as well: it is in
-                // nobody's way until the next begins.
+                // no one's way until the next begins.
                 let busy = !worker.lane().is_idle();
                 worker.lane().forgotten = busy;
             }

@@ -25,7 +25,7 @@ pub(super) struct Client {
     periods: u64,
     heard_ns: Option<u64>,
     most_n: f64,
-    /// The next pose is told from elsewhere.
+    /// The next pose is sent from elsewhere.
     pub jumps: bool,
     /// Least of what the loop gave back beyond what the device itself takes, J.
     pub least_own_j: f64,
@@ -127,7 +127,7 @@ impl Client {
     }
 
     /// The hand meets something passive: what the loop gave back the device's own losses took. What
-    /// nobody can know of the next period is left: the encoder's step, and how much farther than the
+    /// no one can know of the next period is left: the encoder's step, and how much farther than the
     /// last it goes, under the greatest force.
     fn check_energy(&mut self, dt_s: f64) -> Result<(), String> {
         if !self.passivity {

@@ -60,14 +60,14 @@ pub fn messages(bytes: &[u8]) -> Result<Told, String> {
         rest = after;
         let (what, who, ticks) = (head & 7, (head >> 3) & 3, 1 << (head >> 5));
         match stepped.message(what, who, content) {
-            true => stepped.told.taken += 1,
-            false => stepped.told.dropped += 1,
+            true => stepped.reported.taken += 1,
+            false => stepped.reported.dropped += 1,
         }
-        if !stepped.ticks(ticks)? || stepped.told.ticks >= MOST_TICKS {
+        if !stepped.ticks(ticks)? || stepped.reported.ticks >= MOST_TICKS {
             break;
         }
     }
-    Ok(stepped.told)
+    Ok(stepped.reported)
 }
 
 /// A sequence for [`messages`], of what each message is, who sends it, how long the loop runs after it
@@ -90,7 +90,7 @@ struct Stepped {
     bus: BusPorts,
     check: LoopCheck,
     seq: u64,
-    told: Told,
+    reported: Told,
 }
 
 impl Stepped {
@@ -108,7 +108,7 @@ impl Stepped {
             bus,
             scene,
             seq: 0,
-            told: Told::default(),
+            reported: Told::default(),
         }
     }
 
@@ -169,7 +169,7 @@ impl Stepped {
         self.bus.commands.push(request).is_ok()
     }
 
-    /// False: the loop was told to stop.
+    /// False: the loop was asked to stop.
     fn ticks(&mut self, count: u64) -> Result<bool, String> {
         for _ in 0..count {
             set_now(super::now_ns() + TICK_NS);
@@ -181,8 +181,8 @@ impl Stepped {
                 return Ok(false);
             }
             let record = self.driver.record();
-            self.told.ticks += 1;
-            self.told.state_hash = record.output.state_hash;
+            self.reported.ticks += 1;
+            self.reported.state_hash = record.output.state_hash;
             self.check.tick(&self.scene, self.driver.state(), record)?;
             while self.bus.outputs.pop().is_ok() {}
             while self.bus.records.pop().is_ok() {}

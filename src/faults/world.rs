@@ -101,13 +101,13 @@ struct World<'w> {
 pub fn run(seed: u64, folder: &Path) -> Result<Report, Violation> {
     set_now(0);
     let plan = Plan::of(seed);
-    let told = |what: String| Violation {
+    let reported = |what: String| Violation {
         seed,
         at_s: now_ns() as f64 * 1e-9,
         what,
     };
-    let mut world = World::new(&plan, folder).map_err(told)?;
-    world.run().map_err(told)?;
+    let mut world = World::new(&plan, folder).map_err(reported)?;
+    world.run().map_err(reported)?;
     Ok(world.report)
 }
 
@@ -369,7 +369,7 @@ impl<'w> World<'w> {
         match packet {
             Packet::Pose(pose, sender) => host.pose(&pose, sender),
             Packet::Told(of) if of == self.clients && self.client.is_some() => {
-                host.told(&self.plan.model);
+                host.reported(&self.plan.model);
             }
             Packet::Told(_) => {}
             Packet::Gone => host.gone(),

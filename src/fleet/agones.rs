@@ -1,4 +1,4 @@
-//! What Agones, which runs fleets of servers on Kubernetes, is told of a daemon.
+//! What Agones, which runs fleets of servers on Kubernetes, learns of a daemon.
 //!
 //! ```text
 //! loop ready ─▶ /ready      every 2 s while it is ready ─▶ /health
@@ -20,7 +20,7 @@ use zenoh::sample::SampleKind;
 /// The variable that Agones sets in the pods of its servers.
 pub const PORT_VARIABLE: &str = "AGONES_SDK_HTTP_PORT";
 
-/// Health is told this often, or twice in the period of the server's description if that is shorter.
+/// Health is reported this often, or twice in the period of the server's description if that is shorter.
 const HEALTH_EVERY: Duration = Duration::from_secs(2);
 /// How often is looked whether something is due.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
@@ -30,7 +30,7 @@ const LONGEST_PAUSE: Duration = Duration::from_secs(1);
 /// At the end, for a sidecar that does not take the news.
 const LAST_TRIES: Duration = Duration::from_secs(3);
 
-/// Why Agones cannot be told.
+/// Why Agones cannot be reached.
 #[derive(Debug, thiserror::Error)]
 pub enum AgonesError {
     /// Not in a pod of Agones.
@@ -65,17 +65,17 @@ pub fn port() -> Result<u16, AgonesError> {
     }
 }
 
-/// What happens in the daemon, for the thread that tells.
+/// What happens in the daemon, for the thread that reports it.
 #[derive(Debug, Default)]
 struct Seen {
-    /// Somebody holds a tool, or did.
+    /// Someone holds a tool, or did.
     held: AtomicBool,
     /// The server is in use: a client or Agones said so.
     allocated: AtomicBool,
     stop: AtomicBool,
 }
 
-/// Tells Agones of a daemon. Dropped, it tells that the daemon ends, and waits some seconds until that is
+/// Reports a daemon to Agones. Dropped, it reports that the daemon ends, and waits some seconds until that is
 /// heard.
 pub struct Agones {
     seen: Arc<Seen>,
@@ -137,7 +137,7 @@ impl Drop for Agones {
     }
 }
 
-/// Something that must be told once, and is tried until it was.
+/// Something that must be reported once, and is tried until it was.
 #[derive(Debug)]
 struct Once {
     path: &'static str,
@@ -164,7 +164,7 @@ impl Once {
     async fn tell(&mut self, sidecar: Sidecar) -> bool {
         match sidecar.call(self.path).await {
             Ok(()) => {
-                tracing::info!(call = self.path, "told Agones");
+                tracing::info!(call = self.path, "reported to Agones");
                 self.done = true;
             }
             Err(error) => {
@@ -226,7 +226,7 @@ impl Teller {
             }
             tokio::time::sleep(LOOK_EVERY).await;
         }
-        tracing::warn!("Agones was not told that this daemon ends; it will see its pod end");
+        tracing::warn!("Agones does not know that this daemon ends; it will see its pod end");
     }
 
     /// Tells what is due.
@@ -266,15 +266,15 @@ impl Teller {
         }
     }
 
-    /// Reads the server's description: how often health must be told, and whether Agones gave the server to
-    /// somebody.
+    /// Reads the server's description: how often health must be reported, and whether Agones gave the server to
+    /// someone.
     async fn look_at_server(&mut self) {
         let Ok(server) = self.sidecar.get("/gameserver").await else {
             return;
         };
         if server["status"]["state"] == "Allocated" {
             self.seen.allocated.store(true, Ordering::Release);
-            // It need not be told what it did itself.
+            // What it did itself need not be reported.
             self.allocate.done = true;
         }
         // Field names as in the proto file or in its JSON form, by the version of Agones.
@@ -303,8 +303,8 @@ mod tests {
         drop(listener);
         let mut call = Once::new("/ready");
         for k in 0..8 {
-            let told = runtime.block_on(call.tell(Sidecar { port }));
-            assert!(!told && !call.is_due());
+            let reported = runtime.block_on(call.tell(Sidecar { port }));
+            assert!(!reported && !call.is_due());
             let pause = FIRST_PAUSE * 2_u32.pow(k + 1);
             assert_eq!(call.pause, pause.min(LONGEST_PAUSE));
         }

@@ -17,7 +17,7 @@ pub(super) struct Daemon {
 }
 
 impl Daemon {
-    /// Starts `palpate serve` with these arguments. Its first line is told as [`Ask::Said`], the end
+    /// Starts `palpate serve` with these arguments. Its first line is reported as [`Ask::Said`], the end
     /// of its output as [`Ask::Closed`].
     ///
     /// The system ends it (SIGTERM, so that forces fade) when the calling thread ends, however that

@@ -16,7 +16,7 @@ const LONGEST_START: Duration = Duration::from_secs(120);
 const LONGEST_END: Duration = Duration::from_secs(10);
 /// After the end of a process, for what it said.
 const LAST_WORDS: Duration = Duration::from_secs(1);
-/// Beyond this nobody is told to wait before the next try.
+/// No answer asks to wait longer than this before the next try.
 const LONGEST_WAIT: Duration = Duration::from_secs(30);
 
 /// How far a session has come.
@@ -31,7 +31,7 @@ pub enum SessionState {
     Ending,
 }
 
-/// A daemon as it is told to those who ask.
+/// A daemon as clients see it.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Session {
     /// Under which it is ended; also the name of the instance.
@@ -85,7 +85,7 @@ pub enum Refusal {
     Closing,
 }
 
-/// What the keeper is asked and told.
+/// What the keeper is asked and what is reported to it.
 pub(super) enum Ask {
     Start {
         scene: String,

@@ -23,7 +23,7 @@ pub struct LobbySettings {
     pub scenes: Option<PathBuf>,
     /// Sessions at a time.
     pub max: usize,
-    /// A daemon ends when nobody has held a tool for this long.
+    /// A daemon ends when no one has held a tool for this long.
     pub idle_timeout: Duration,
     /// Endpoint on which each daemon listens, with port 0.
     pub listen: String,

@@ -1,4 +1,4 @@
-//! Many daemons: a lobby that starts them on this machine, one for each session, and what Agones is told of
+//! Many daemons: a lobby that starts them on this machine, one for each session, and what Agones learns of
 //! one that it started elsewhere.
 //!
 //! ```text

@@ -17,7 +17,7 @@ const LONGEST_ANSWER: usize = 256 << 10;
 /// Why a request came to nothing.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum SidecarError {
-    /// Nobody listens, or the connection was cut.
+    /// No one listens, or the connection was cut.
     #[error("{0}")]
     Connection(#[from] std::io::Error),
     /// No answer of HTTP.

@@ -39,7 +39,7 @@ pub trait DiskSync: Send {
     /// Asks for something; does not wait for it.
     fn begin(&mut self, task: DiskTask);
 
-    /// How the oldest task has ended, of those that were not told yet; `None` if none does within
+    /// How the oldest task has ended, of those that were not reported yet; `None` if none does within
     /// this time.
     fn ended(&mut self, within: Duration) -> Option<io::Result<()>>;
 }
@@ -189,7 +189,7 @@ impl SyncThread {
                     }
                 };
                 let failed = result.is_err();
-                // Who is gone is not told. The system tells of a failed sync once: a second one that
+                // What is gone needs no answer. The system reports a failed sync once: a second one that
                 // succeeds would not bring back what the first has lost.
                 let _ = done.send(result);
                 if failed {
@@ -207,7 +207,7 @@ impl SyncThread {
 
 impl DiskSync for SyncThread {
     fn begin(&mut self, task: DiskTask) {
-        // After a failure, which was told, nobody takes it.
+        // After a failure, which was reported, nothing takes it.
         let _ = self.tasks.send(task);
     }
 

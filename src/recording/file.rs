@@ -3,7 +3,7 @@
 //! It is `FILE.part` until it is finished. Ten times a second a chunk is ended and handed to the
 //! system, so that a killed daemon loses no more than that, however slow the disk is. Once a second
 //! the disk is asked to have what was handed over: a power cut costs what was written since the last
-//! time that it was asked and has answered. Nobody waits for its answer, and nothing written is ever
+//! time that it was asked and has answered. No one waits for its answer, and nothing written is ever
 //! touched again. log_time is tick × dt: plots are even and files comparable; publish_time is the
 //! wall clock.
 
@@ -63,8 +63,8 @@ struct Syncing {
     /// Last tick that was written before it was asked, and before it was asked and answered.
     asked_tick: u64,
     safe_tick: u64,
-    /// A slow answer was told.
-    told: bool,
+    /// A slow answer was reported.
+    reported: bool,
 }
 
 /// `FILE.part`.
@@ -126,7 +126,7 @@ impl SessionFile {
                 under_way: false,
                 asked_tick: 0,
                 safe_tick: 0,
-                told: false,
+                reported: false,
             },
             part,
             target: target.to_owned(),
@@ -337,7 +337,7 @@ impl Syncing {
         let since = now.saturating_duration_since(self.asked.0);
         if self.under_way {
             match self.disk.ended(Duration::ZERO) {
-                None if since >= SLOW && !std::mem::replace(&mut self.told, true) => {
+                None if since >= SLOW && !std::mem::replace(&mut self.reported, true) => {
                     tracing::warn!(
                         file = %part.display(), after_tick = self.safe_tick,
                         "the disk has not answered for {} s: recording goes on, but a power cut now would cost what was recorded since",
@@ -352,7 +352,7 @@ impl Syncing {
         if !self.under_way && since >= SYNC_EVERY && written > self.asked.1 {
             self.disk.begin(DiskTask::Sync);
             (self.asked, self.asked_tick) = ((now, written), last_tick);
-            (self.under_way, self.told) = (true, false);
+            (self.under_way, self.reported) = (true, false);
         }
         Ok(())
     }

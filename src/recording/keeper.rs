@@ -108,8 +108,8 @@ pub(super) struct Keeper {
     deleted: BTreeSet<PathBuf>,
     /// Message bytes of recordings that were ended.
     bytes_before: u64,
-    /// Losses that were told, and when.
-    told: (u64, Instant),
+    /// Losses that were reported, and when.
+    reported: (u64, Instant),
     generation: u32,
     /// Scenes made, in order; the loop took some of them.
     next: VecDeque<NextScene>,
@@ -147,7 +147,7 @@ impl Keeper {
         mail: Receiver<Mail>,
         news: Sender<ArchiveNews>,
     ) -> Self {
-        let told = (0, disk.now());
+        let reported = (0, disk.now());
         let mut keeper = Self {
             stream,
             head,
@@ -166,7 +166,7 @@ impl Keeper {
             closing: Vec::new(),
             deleted: BTreeSet::new(),
             bytes_before: 0,
-            told,
+            reported,
             generation: 0,
             next: VecDeque::new(),
             report: RecordingReport::default(),
@@ -206,7 +206,7 @@ impl Keeper {
     }
 
     fn tell(&self, news: ArchiveNews) {
-        // Nobody listens when no bus runs.
+        // No one listens when no bus runs.
         let _ = self.news.send(news);
     }
 
@@ -373,13 +373,13 @@ impl Keeper {
     /// time: the status counts them.
     fn tell_losses(&mut self, every: Duration) {
         let (dropped, now) = (self.dropped(), self.disk.now());
-        let lost = dropped - self.told.0;
+        let lost = dropped - self.reported.0;
         let keeps = self.recording.is_some() || self.memory.is_some();
         if !keeps || self.gauges.state.load(Ordering::Relaxed) == keeping::FAILED {
-            // After a failure that was told, all are.
-            self.told.0 = dropped;
-        } else if lost > 0 && now.saturating_duration_since(self.told.1) >= every {
-            self.told = (dropped, now);
+            // After a failure that was reported, all are.
+            self.reported.0 = dropped;
+        } else if lost > 0 && now.saturating_duration_since(self.reported.1) >= every {
+            self.reported = (dropped, now);
             let words = format!("{lost} records: the disk did not take them in time");
             tracing::warn!(lost, "records lost: the disk did not take them in time");
             self.keep(Message::event(
@@ -513,7 +513,7 @@ impl Keeper {
         }
     }
 
-    /// Shows that a recording failed, and then tells: who hears of it finds it in the status.
+    /// Shows that a recording failed, and then reports it: the status has it by then.
     fn failed(&mut self, path: PathBuf, asked: Option<u64>, error: WriteError) {
         tracing::error!(%error, "recording failed");
         let reason = error.to_string();

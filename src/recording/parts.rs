@@ -99,9 +99,9 @@ pub(super) struct Parts {
     finished: VecDeque<(PathBuf, u64)>,
     /// A keyframe on which the next part may begin, and what followed it: the next tick decides.
     held: Vec<Arc<Message>>,
-    /// Parts that ended, until somebody takes them to wait for the disk.
+    /// Parts that ended, until someone takes them to wait for the disk.
     pub closing: Vec<ClosingFile>,
-    /// Parts that were deleted, until somebody takes note.
+    /// Parts that were deleted, until someone takes note.
     pub deleted: Vec<PathBuf>,
     /// Files that wait for the disk beside `closing`.
     pub waiting: usize,

@@ -136,7 +136,7 @@ pub struct Player {
     paused: bool,
     deadlines: Deadlines,
     over: bool,
-    told: bool,
+    reported: bool,
     report: PlayReport,
 }
 
@@ -173,12 +173,12 @@ impl Player {
             paused,
             deadlines,
             over: false,
-            told: false,
+            reported: false,
             report,
         })
     }
 
-    /// Plays to the end, or until somebody stops it.
+    /// Plays to the end, or until someone stops it.
     ///
     /// # Errors
     /// A state in the file that is of another scene.
@@ -227,7 +227,7 @@ impl Player {
             match self.port.requests.recv_timeout(SLICE) {
                 Ok(request) => return Some(request),
                 Err(RecvTimeoutError::Timeout) => {}
-                // Nobody can ask any more.
+                // No one can ask any more.
                 Err(RecvTimeoutError::Disconnected) => std::thread::sleep(SLICE),
             }
             if self.ports.stop_asked() {
@@ -303,13 +303,13 @@ impl Player {
     }
 
     fn tell(&self, news: PlayNews) {
-        // Without a bus nobody listens.
+        // Without a bus no one listens.
         let _ = self.port.news.send(news);
     }
 
     fn tell_divergence(&mut self) {
-        if let Some(tick) = self.cursor.diverged.filter(|_| !self.told) {
-            self.told = true;
+        if let Some(tick) = self.cursor.diverged.filter(|_| !self.reported) {
+            self.reported = true;
             self.report.diverged = Some(tick);
             tracing::warn!(
                 tick,

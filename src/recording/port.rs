@@ -22,7 +22,7 @@ const NET_RING: usize = 128;
 /// A command with the tick after which it acts.
 pub(super) type Applied = (u64, Command);
 
-/// The journal of a scene's loop. It sleeps until somebody wants ticks, and then begins with a
+/// The journal of a scene's loop. It sleeps until someone wants ticks, and then begins with a
 /// keyframe.
 pub struct RecorderPort {
     heads: rtrb::Producer<TickHead>,
@@ -34,7 +34,7 @@ pub struct RecorderPort {
     nets: Vec<rtrb::Producer<Arc<NetFrame>>>,
     net_schedule: NetSchedule,
     gauges: Arc<JournalGauges>,
-    /// 0: nobody wants ticks. When it changes, somebody wants a keyframe to begin with.
+    /// 0: no one wants ticks. When it changes, someone wants a keyframe to begin with.
     wanted: Arc<AtomicU32>,
     generation: u32,
     /// A keyframe of this generation is still to come.
@@ -120,7 +120,7 @@ impl RecorderPort {
         self.owed = true;
     }
 
-    /// Looks whether somebody wants ticks.
+    /// Looks whether someone wants ticks.
     fn look(&mut self) -> bool {
         let wanted = self.wanted.load(Ordering::Acquire);
         if wanted != self.generation {

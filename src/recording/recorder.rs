@@ -29,7 +29,7 @@ use std::time::Duration;
 pub struct RecorderSettings {
     /// Record to this file from the first tick on.
     pub path: Option<PathBuf>,
-    /// Where recordings and snapshots go that somebody asks for.
+    /// Where recordings and snapshots go that someone asks for.
     pub directory: PathBuf,
     /// How much of the past to keep in memory for snapshots.
     pub ring: Option<Duration>,
@@ -297,7 +297,7 @@ impl Archive for Post {
     }
 }
 
-/// Where a recording goes when nobody said: a file that is not there yet.
+/// Where a recording goes when no one said: a file that is not there yet.
 pub fn default_path(directory: &Path, stem: &str) -> PathBuf {
     let seconds = std::time::SystemTime::now()
         .duration_since(std::time::UNIX_EPOCH)

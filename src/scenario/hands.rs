@@ -103,7 +103,7 @@ pub struct FarDevice {
     forces: Channel<[f64; 3]>,
     passivity: Option<Passivity>,
     felt_n: [f64; 3],
-    told: [f64; 3],
+    reported: [f64; 3],
 }
 
 impl HandSpec {
@@ -151,7 +151,7 @@ impl HandSpec {
                         .then(|| Passivity::new(PassivitySettings::strict(model))),
                     device: SimulatedDevice::new(model.clone(), hand, start, 1),
                     felt_n: [0.0; 3],
-                    told: start,
+                    reported: start,
                 }))
             }
         })
@@ -254,9 +254,9 @@ impl FarDevice {
         self.device.advance(goal, held, dt_s);
         self.poses.send(time_s, self.device.pose().position);
         if let Some(pose) = self.poses.receive(time_s).last() {
-            self.told = pose;
+            self.reported = pose;
         }
-        self.told
+        self.reported
     }
 
     /// Where it is, m.

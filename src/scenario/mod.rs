@@ -66,7 +66,7 @@ impl Scenario {
         })
     }
 
-    /// Runs all of it. `progress` is told the name of each run before it begins.
+    /// Runs all of it. `progress` gets the name of each run before it begins.
     ///
     /// # Errors
     /// A scene that does not build, a motion that cannot be gone, a file that cannot be written.

@@ -92,7 +92,7 @@ fn scene_of(run: &RunSpec, source: &Source) -> Result<(file::Loaded, Scene), Sce
         loaded.spec = change.spec().clone();
     }
     for finding in scene.warnings() {
-        tracing::warn!(run = run.name, "{}", loaded.told(finding));
+        tracing::warn!(run = run.name, "{}", loaded.message(finding));
     }
     Ok((loaded, scene))
 }

@@ -414,7 +414,7 @@ impl BusThread {
         }
     }
 
-    /// A body has come apart, and would do so again: the loop pauses, which fades all forces, until somebody
+    /// A body has come apart, and would do so again: the loop pauses, which fades all forces, until someone
     /// changes what did it.
     fn stop_apart(&mut self) {
         let advice = "the loop is paused; `reset` and `resume` begin anew";
@@ -504,7 +504,11 @@ impl BusThread {
     /// Takes what clients said of themselves: that they hold a tool or no longer do, and their devices.
     fn take_notices(&mut self) {
         for tool in 0..self.served.scene.tool_count() {
-            let Notice { left, joined, told } = self.requests.notices.take(tool);
+            let Notice {
+                left,
+                joined,
+                reported,
+            } = self.requests.notices.take(tool);
             let scene = &self.served.scene;
             let id = scene.tool_id(tool);
             if left {
@@ -516,11 +520,11 @@ impl BusThread {
                 self.view.tell(|sink| sink.token(id, true));
                 self.devices.release(tool, &mut self.link);
             }
-            if let Some(info) = told {
+            if let Some(info) = reported {
                 let (link, events) = (&mut self.link, &mut self.events);
                 self.view
                     .tell(|sink| sink.device(id, &info.name, &encode(&*info)));
-                self.devices.told(tool, *info, scene, link, events);
+                self.devices.reported(tool, *info, scene, link, events);
             }
         }
     }

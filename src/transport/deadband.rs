@@ -3,7 +3,7 @@
 //! Weber's law as a filter: a force is sent when |f − f_last| > δ |f_last|, with f_last the last
 //! one sent (Hinterseer, Hirche, Chaudhuri, Steinbach and Buss 2008, "Perception-based data
 //! reduction and transmission of haptic data in telepresence and teleaction systems", IEEE Trans.
-//! Signal Processing 56 (2), eq. 3). The same for the torque. What a hand tells by itself passes
+//! Signal Processing 56 (2), eq. 3). The same for the torque. What a hand notices by itself passes
 //! always: contact that begins or ends, flags that change. After a while without any the newest is
 //! sent anyway, so that a lost message does no lasting harm.
 

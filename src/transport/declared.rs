@@ -48,7 +48,7 @@ impl Declared {
         let mut tool_subscribers = Vec::new();
         for tool in 0..scene.tool_count() {
             let id = scene.tool_id(tool);
-            // Nobody holds a tool of a recording.
+            // No one holds a tool of a recording.
             if roles.player {
                 continue;
             }
@@ -83,7 +83,7 @@ impl Declared {
                         && let Some(info) =
                             take_device(&refused, sample.payload(), &schema_of(sample.encoding()))
                     {
-                        notices.told(tool, Box::new(info));
+                        notices.reported(tool, Box::new(info));
                     }
                 })
                 .wait()?;

@@ -12,7 +12,7 @@ pub(super) struct Desk {
 }
 
 impl Desk {
-    /// Nothing is under way. Numbers begin at 1; 0 is nobody's.
+    /// Nothing is under way. Numbers begin at 1; 0 is no one's.
     pub(super) fn new() -> Self {
         Self {
             pending: Vec::new(),
@@ -25,7 +25,7 @@ impl Desk {
         self.next_id
     }
 
-    /// A number for a command of our own, whose answer nobody waits for.
+    /// A number for a command of our own, whose answer no one waits for.
     pub(super) fn own_id(&mut self) -> u64 {
         self.next_id += 1;
         self.next_id - 1

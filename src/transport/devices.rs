@@ -107,7 +107,7 @@ impl Devices {
 impl Devices {
     /// The client of a tool described its device; `info` is validated. Comes again after each
     /// reconnect, often with the same content.
-    pub(super) fn told(
+    pub(super) fn reported(
         &mut self,
         tool: usize,
         info: DeviceInfo,
@@ -148,7 +148,7 @@ impl Devices {
             tool: tool as u32,
             bounds,
         };
-        // Nobody waits for its receipt: number 0.
+        // No one waits for its receipt: number 0.
         if link.command(0, command).is_ok() {
             self.tools[tool].bounds = bounds;
         } else {

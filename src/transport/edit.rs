@@ -1,4 +1,4 @@
-//! Changes of the scene: a client asks, somebody makes the next scene beside the loop, the loop
+//! Changes of the scene: a client asks, someone makes the next scene beside the loop, the loop
 //! takes it over between two ticks, and the bus declares what it has.
 //!
 //! ```text
@@ -116,7 +116,7 @@ impl Edits {
         }
     }
 
-    /// The change under way cannot be: tells who asked for it.
+    /// The change under way cannot be made: answers its request.
     fn refuse(&mut self, id: u64, reason: &str, desk: &mut Desk, events: &mut Events) {
         self.change = None;
         match self.tool_cut.take() {

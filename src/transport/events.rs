@@ -16,7 +16,7 @@ use zenoh::pubsub::Publisher;
 /// Events, numbered from 1: published, recorded, and the last of them kept for queries.
 pub(super) struct Events {
     publisher: Arc<Publisher<'static>>,
-    /// Events wait for clients that do not read; nobody else does.
+    /// Events wait for clients that do not read; no one else does.
     post: Post,
     /// The keeper of recordings, if there is one: it takes events as they happen.
     archive: Option<Box<dyn Archive>>,

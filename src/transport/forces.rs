@@ -43,15 +43,15 @@ struct ToolLine {
     inbox: Arc<PoseInbox>,
     force: Publisher<'static>,
     force_v2: Publisher<'static>,
-    /// Somebody subscribes to forces with their errors.
+    /// Someone subscribes to forces with their errors.
     error_wanted: bool,
     contact: Publisher<'static>,
-    /// Somebody subscribes to what contacts do.
+    /// Someone subscribes to what contacts do.
     contact_wanted: bool,
-    /// Forces that were not published while somebody moved the tool, because newer ones were there.
+    /// Forces that were not published while someone moved the tool, because newer ones were there.
     overtaken: u64,
-    /// What the bus and pages were told last was of a pose.
-    told: bool,
+    /// What the bus and pages got last was of a pose.
+    reported: bool,
     shown: bool,
     client: Arc<ClientLink>,
 }
@@ -61,17 +61,17 @@ struct ToolLine {
 pub struct ForceCounts {
     /// Published.
     pub sent: u64,
-    /// Not published while somebody moved the tool, because a newer one was there.
+    /// Not published while someone moved the tool, because a newer one was there.
     pub overtaken: u64,
     /// Published, and not received by a client that says what it receives.
     pub lost: u64,
 }
 
-/// Whether a tool's force is told: while there is a pose, and once more when a reset has taken it away, or
+/// Whether a tool's force is published: while there is a pose, and once more when a reset has taken it away, or
 /// everybody would keep the last force.
-fn is_told(told: &mut bool, out: &ToolOutput) -> bool {
+fn is_told(reported: &mut bool, out: &ToolOutput) -> bool {
     let here = out.pose_seq > 0;
-    std::mem::replace(told, here) || here
+    std::mem::replace(reported, here) || here
 }
 
 impl Forces {
@@ -95,7 +95,7 @@ impl Forces {
                 contact: publisher::<ToolContact>(session, keys.tool_contact(id))?,
                 contact_wanted: false,
                 overtaken: 0,
-                told: false,
+                reported: false,
                 shown: false,
                 client: clients[tool].clone(),
             })
@@ -116,16 +116,19 @@ impl Forces {
 
     /// The tick whose output is next, if it is there.
     pub(super) fn next_tick(&mut self) -> Option<u64> {
-        self.outputs.peek().ok().map(|told| told.output.tick)
+        self.outputs
+            .peek()
+            .ok()
+            .map(|reported| reported.output.tick)
     }
 
     /// Takes the next output and publishes what it says of tools; false if a newer one waits that
     /// makes it needless.
     pub(super) fn publish_next(&mut self, scene: &Scene, devices: &mut Devices) -> bool {
-        let Ok(told) = self.outputs.pop() else {
+        let Ok(reported) = self.outputs.pop() else {
             return false;
         };
-        let output = &told.output;
+        let output = &reported.output;
         if !self.every {
             self.rate.tick(Instant::now());
         }
@@ -141,7 +144,7 @@ impl Forces {
             return false;
         }
         self.newest.clone_from(output);
-        self.senders.clone_from(&told.senders);
+        self.senders.clone_from(&reported.senders);
         for tool in 0..self.tools.len() {
             self.put_tool(tool, scene, devices);
         }
@@ -150,7 +153,7 @@ impl Forces {
 
     fn put_tool(&mut self, tool: usize, scene: &Scene, devices: &mut Devices) {
         let (tick, out) = (self.newest.tick, self.newest.tools[tool]);
-        if !is_told(&mut self.tools[tool].told, &out) {
+        if !is_told(&mut self.tools[tool].reported, &out) {
             return;
         }
         if self.every || devices.wants(tool, tick, &out) || out.pose_seq == 0 {
@@ -244,7 +247,7 @@ impl Forces {
         }
     }
 
-    /// Whom to tell what contacts do: messages that nobody takes are not made.
+    /// Whom to tell what contacts do: messages that no one takes are not made.
     pub(super) fn look_for_listeners(&mut self) {
         for tool in &mut self.tools {
             let wanted = |publisher: &Publisher<'_>| {

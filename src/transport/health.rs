@@ -16,7 +16,7 @@ pub struct Health(Mutex<Option<Newest>>);
 struct Newest {
     at: Instant,
     figures: LoopMetrics,
-    /// The figures as text, once somebody has asked for it.
+    /// The figures as text, once someone has asked for it.
     text: Option<String>,
 }
 
@@ -37,7 +37,7 @@ impl Health {
         Some(text.get_or_insert_with(|| figures.text()).clone())
     }
 
-    /// Why nobody should be sent here, if so: what `/readyz` answers.
+    /// Why no one should be sent here, if so: what `/readyz` answers.
     pub fn not_ready(&self) -> Option<&'static str> {
         let newest = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         match &*newest {

@@ -140,7 +140,7 @@ pub(super) struct Notice {
     /// A holder is there, after that.
     pub(super) joined: bool,
     /// The description of a device, after both.
-    pub(super) told: Option<Box<DeviceInfo>>,
+    pub(super) reported: Option<Box<DeviceInfo>>,
 }
 
 /// By tool: as many as the scene has, however much comes in.
@@ -173,8 +173,8 @@ impl Notices {
     }
 
     /// A client described the device that moves a tool.
-    pub(super) fn told(&self, tool: usize, info: Box<DeviceInfo>) {
-        self.with(tool, |notice| notice.told = Some(info));
+    pub(super) fn reported(&self, tool: usize, info: Box<DeviceInfo>) {
+        self.with(tool, |notice| notice.reported = Some(info));
     }
 
     /// What is new of a tool.
@@ -201,14 +201,14 @@ mod tests {
     fn the_next_holder_does_not_get_the_device_of_the_one_before() {
         let notices = Notices::new(1);
         notices.token(0, true);
-        notices.told(0, Box::new(device("first")));
+        notices.reported(0, Box::new(device("first")));
         notices.token(0, false);
         notices.token(0, true);
         let notice = notices.take(0);
-        assert!(notice.left && notice.joined && notice.told.is_none());
-        notices.told(0, Box::new(device("second")));
-        assert_eq!(notices.take(0).told.unwrap().name, "second");
-        assert!(notices.take(0).told.is_none());
+        assert!(notice.left && notice.joined && notice.reported.is_none());
+        notices.reported(0, Box::new(device("second")));
+        assert_eq!(notices.take(0).reported.unwrap().name, "second");
+        assert!(notices.take(0).reported.is_none());
         // There is no such tool.
         notices.token(1, true);
         assert!(!notices.take(1).joined);

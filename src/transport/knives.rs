@@ -26,7 +26,7 @@ pub(super) struct ToolCut {
 }
 
 impl ToolCut {
-    /// Tells why it was not made. Nobody waits for an answer to a button.
+    /// Tells why it was not made. No one waits for an answer to a button.
     pub(super) fn tell_refused(&self, reason: &str, events: &mut Events) {
         let Self { tool, body, .. } = self;
         tracing::warn!(tool, body, reason, "a tool did not cut");
@@ -108,7 +108,7 @@ impl Knives {
 
 /// Takes what a tick says of a button; true if it goes down.
 fn goes_down(down: &mut bool, out: &ToolOutput, pose: Option<&DevicePose>) -> bool {
-    // After a reset nobody is there until the next pose.
+    // After a reset no one is there until the next pose.
     let was = *down && out.pose_seq > 0;
     let taken = pose.filter(|_| out.flags & flags::REFUSED == 0);
     *down = taken.map_or(was, |pose| pose.buttons & GRAB != 0);

@@ -1,6 +1,6 @@
 //! Control nets of bodies: published as they change, answered as they stand.
 //!
-//! A net that nobody takes is not made: neither the message nor its bytes.
+//! A net that no one takes is not made: neither the message nor its bytes.
 
 use super::intake::{Intake, Question};
 use super::post::{NetSlot, Post};
@@ -46,7 +46,7 @@ struct Line {
     // Dropped in this order: a publisher that goes takes its listeners along.
     _listener: MatchingListener<()>,
     slot: Arc<NetSlot>,
-    /// Somebody subscribes.
+    /// Someone subscribes.
     wanted: Arc<AtomicBool>,
 }
 
@@ -54,10 +54,10 @@ impl Line {
     fn new(session: &zenoh::Session, key: String) -> zenoh::Result<Self> {
         let publisher = publisher::<ControlNet>(session, key)?;
         let wanted = Arc::new(AtomicBool::new(false));
-        let told = wanted.clone();
+        let reported = wanted.clone();
         let listener = publisher
             .matching_listener()
-            .callback(move |status| told.store(status.matching(), Ordering::Release))
+            .callback(move |status| reported.store(status.matching(), Ordering::Release))
             .wait()?;
         if publisher.matching_status().wait()?.matching() {
             wanted.store(true, Ordering::Release);

@@ -98,7 +98,7 @@ impl Post {
     }
 
     fn put_in(&self, letter: Letter) {
-        // The thread ends only when nobody can be here.
+        // The thread ends only when no one can be here.
         let _ = self.letters.send(letter);
         let mut inbox = self.inbox.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(letters) = inbox.take() {

@@ -14,7 +14,7 @@ const FADE_OUT: Duration = Duration::from_millis(50);
 /// And back.
 const FADE_IN: Duration = Duration::from_millis(250);
 
-/// A change that clients are told.
+/// A change that clients get an event for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RateNews {
     /// The loop is too slow: Hz.

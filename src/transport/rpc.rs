@@ -67,7 +67,7 @@ impl Rpc {
         if self.player.is_some() || self.state != LoopState::Running {
             return Ok(());
         }
-        // Nobody waits for its receipt: number 0.
+        // No one waits for its receipt: number 0.
         link.command(0, Command::Pause)?;
         self.change(Command::Pause, events);
         Ok(())
@@ -78,7 +78,7 @@ impl Rpc {
         self.state = LoopState::Stopping;
     }
 
-    /// Takes what a command makes of the loop, and tells of it.
+    /// Takes what a command makes of the loop, and reports it.
     fn change(&mut self, command: Command, events: &mut Events) {
         let (state, event) = states::after(self.state, command);
         self.state = state;

@@ -29,7 +29,7 @@ pub struct SessionSettings {
     /// Who may come, and what they may do.
     pub access: Access,
     /// How long it waits for a client that does not read, [`patience`](super::patience) of its scene;
-    /// `None` where nobody comes that others must be guarded from.
+    /// `None` where no one comes that others must be guarded from.
     pub patience: Option<Duration>,
 }
 
@@ -101,7 +101,7 @@ pub fn daemon_of(
     }
 }
 
-/// Where a daemon listens that was not told where: on [`DEFAULT_ENDPOINT`] (`secure`: on
+/// Where a daemon listens that has no endpoint configured: on [`DEFAULT_ENDPOINT`] (`secure`: on
 /// [`DEFAULT_SECURE_ENDPOINT`]), unless it connects to
 /// others or its configuration file says what to listen on or to connect to.
 ///
@@ -120,8 +120,8 @@ pub fn default_listen(
             reason,
         })?,
     };
-    let told = !listen.is_empty() || !connect.is_empty() || named.listen || named.connect;
-    Ok(match told {
+    let reported = !listen.is_empty() || !connect.is_empty() || named.listen || named.connect;
+    Ok(match reported {
         true => listen.to_vec(),
         false if secure => vec![DEFAULT_SECURE_ENDPOINT.to_owned()],
         false => vec![DEFAULT_ENDPOINT.to_owned()],
@@ -147,7 +147,7 @@ pub enum SessionError {
         /// What is wrong.
         reason: String,
     },
-    /// Somebody listens there.
+    /// Someone listens there.
     #[error(
         "cannot listen on {endpoint}: {reason}; choose another with --listen, or stop whoever has it"
     )]
@@ -157,7 +157,7 @@ pub enum SessionError {
         /// Operating system's words.
         reason: String,
     },
-    /// Nobody answers there.
+    /// No one answers there.
     #[error(
         "nobody answers at {endpoint}: {reason}; is `palpate serve` running there? see --connect"
     )]
@@ -232,7 +232,7 @@ pub fn open_told(settings: &SessionSettings) -> Result<(zenoh::Session, Open), S
     Ok((session, Open { everybody, others }))
 }
 
-/// What Zenoh is told.
+/// The configuration of Zenoh.
 fn configuration(settings: &SessionSettings) -> Result<zenoh::Config, SessionError> {
     let path = settings.config.as_deref();
     let mut config =
@@ -299,7 +299,7 @@ fn ip_address(endpoint: &str) -> Result<Option<std::net::SocketAddr>, SessionErr
         .ok_or_else(|| wrong("the host has no address".into()))
 }
 
-/// Somebody listens at an endpoint.
+/// Someone listens at an endpoint.
 pub fn is_taken(endpoint: &str) -> bool {
     matches!(check_free(endpoint), Err(SessionError::InUse { .. }))
 }

@@ -1,10 +1,10 @@
-//! What the loop does and how well, as clients are told: what changes make of it.
+//! What the loop does and how well, as clients see it: what changes make of it.
 
 use crate::drive::overload::{CAUSES, QUIET};
 use palpate_proto::messages::{EventKind, LoopState};
 use palpate_sim::tick::record::Command;
 
-/// The state after a command, and the event that tells of it; no event where nothing has changed.
+/// The state after a command, and the event for it; no event where nothing has changed.
 pub(super) fn after(state: LoopState, command: Command) -> (LoopState, Option<EventKind>) {
     use LoopState::{Paused, Running, Stopping};
     match (state, command) {

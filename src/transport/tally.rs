@@ -95,7 +95,7 @@ pub(super) struct LoopTally {
     records: rtrb::Consumer<Arc<TickRecord>>,
     gauges: Gauges,
     status: LoopStatus,
-    /// A recording is played: what happens is told as it was.
+    /// A recording is played: what happens is reported as it was.
     played: bool,
     tools: Vec<ToolTally>,
     /// The tick before met a fault.
@@ -157,7 +157,7 @@ impl LoopTally {
         })
     }
 
-    /// Counts the ticks that are done, and tells what changed; `see` gets each of them.
+    /// Counts the ticks that are done, and reports what changed; `see` gets each of them.
     pub(super) fn poll(
         &mut self,
         scene: &Scene,
@@ -389,7 +389,7 @@ impl LoopTally {
         self.overruns
     }
 
-    /// The loop was told to end, by whomever.
+    /// The loop was asked to end.
     pub(super) fn is_ending(&self) -> bool {
         let LoopCounters { stop, finished, .. } = &*self.gauges.counters;
         stop.load(Ordering::Relaxed) || finished.load(Ordering::Relaxed)

@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 pub trait ViewSink: Send {
     /// A page is open. While none is, [`ViewSink::message`] is not called.
     fn watched(&self) -> bool;
-    /// Somebody looks inside bodies; true once after that began: the nodes of all are due.
+    /// Someone looks inside bodies; true once after that began: the nodes of all are due.
     fn wants_nodes(&mut self) -> Option<bool>;
     /// True once after a page opened: all messages are due.
     fn take_newcomer(&mut self) -> bool;
@@ -22,13 +22,13 @@ pub trait ViewSink: Send {
     fn message(&mut self, key: &str, payload: &[u8]);
     /// An event. All come, also while no page is open.
     fn event(&mut self, payload: &[u8]);
-    /// What the device of a tool told, and its name.
+    /// What the device of a tool reported, and its name.
     fn device(&mut self, tool: &str, name: &str, payload: &[u8]);
     /// A tool's liveliness token appeared, or disappeared.
     fn token(&mut self, tool: &str, present: bool);
     /// Everything that is counted, ten times a second.
     fn figures(&mut self, figures: &LoopMetrics);
-    /// All of a turn was told.
+    /// All of a turn was shown.
     fn turn_over(&mut self);
 }
 
@@ -61,7 +61,7 @@ impl View {
         self.sink.as_ref().is_some_and(|sink| sink.watched())
     }
 
-    /// Somebody looks inside bodies; true where the nodes of all are due.
+    /// Someone looks inside bodies; true where the nodes of all are due.
     pub(super) fn wants_nodes(&mut self) -> Option<bool> {
         self.sink.as_mut().and_then(|sink| sink.wants_nodes())
     }

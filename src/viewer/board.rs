@@ -22,7 +22,7 @@ const EVENTS_KEPT: usize = 256;
 pub(super) enum Lasts {
     /// Until it changes: a page that opens later needs it.
     UntilChanged,
-    /// While pages are open: without one nobody brings it up to date.
+    /// While pages are open: without one no one brings it up to date.
     WhileWatched,
 }
 
@@ -37,8 +37,8 @@ struct Slot {
 struct State {
     /// Numbers every post.
     version: u64,
-    /// Version when pages were told last.
-    told: u64,
+    /// Version that pages got last.
+    reported: u64,
     /// In the order in which pages get them; the scene is first.
     slots: Vec<Slot>,
     events: VecDeque<(u64, Bytes)>,
@@ -130,8 +130,8 @@ impl Board {
     /// Wakes the sockets if anything was posted since the last time.
     pub(super) fn tell(&self) {
         let mut state = self.lock();
-        if state.version != state.told {
-            state.told = state.version;
+        if state.version != state.reported {
+            state.reported = state.version;
             self.changed.send_replace(state.version);
         }
     }
@@ -182,7 +182,7 @@ impl Board {
             self.inside.fetch_add(1, Ordering::AcqRel);
             self.inside_begun.store(true, Ordering::Release);
         } else if self.inside.fetch_sub(1, Ordering::AcqRel) == 1 {
-            // Nobody brings them up to date any more.
+            // No one brings them up to date any more.
             self.lock().slots.retain(|slot| !is_nodes_key(&slot.key));
         }
     }
@@ -193,7 +193,7 @@ impl Board {
             .then(|| self.inside_begun.swap(false, Ordering::AcqRel))
     }
 
-    /// Somebody watches.
+    /// Someone watches.
     pub(super) fn watched(&self) -> bool {
         self.open.load(Ordering::Acquire) > 0
     }

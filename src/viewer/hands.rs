@@ -83,7 +83,7 @@ struct Hands {
     keys: Keys,
     holders: Arc<Holders>,
     held: HashMap<String, Held>,
-    /// A recording is played here: nobody moves its tools.
+    /// A recording is played here: no one moves its tools.
     played: bool,
     scene: Arc<Scene>,
     /// In lockstep, simulated over real time.
@@ -93,7 +93,7 @@ struct Hands {
 /// What a page may ask for, simulated over real time.
 const SPEEDS: std::ops::RangeInclusive<f64> = 1e-3..=10.0;
 
-/// Starts the thread; it ends when nobody can give orders any more.
+/// Starts the thread; it ends when no one can give orders any more.
 ///
 /// # Errors
 /// No thread could be made.
@@ -218,7 +218,7 @@ impl Hands {
         })
     }
 
-    /// How the poses of a device are repeated: in lockstep of any, in real time of one that pushes nobody. Who
+    /// How the poses of a device are repeated: in lockstep of any, in real time of one that pushes no one. Who
     /// has a motor in the hand must lose the force when its poses stop.
     fn pace_of(&self, tool: &str, info: &DeviceInfo) -> Option<Pace> {
         if self.scene.clock == Clock::Lockstep {
@@ -349,7 +349,7 @@ fn key(tool: &str, what: &str) -> String {
     format!("tool/{tool}/{what}")
 }
 
-/// Answers a command once, and if nobody else does then when it is dropped.
+/// Answers a command once, and if no one else does then when it is dropped.
 struct Answering {
     id: u64,
     outbox: Outbox,

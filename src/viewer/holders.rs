@@ -1,4 +1,4 @@
-//! Who holds which tool, as pages are told.
+//! Who holds which tool, as pages show it.
 
 use super::board::{Board, Lasts};
 use super::frames::json_frame;
@@ -10,9 +10,9 @@ pub(super) type Socket = u64;
 
 #[derive(Debug, Default)]
 struct Holder {
-    /// A liveliness token of the tool is on the bus: somebody's, perhaps a page's.
+    /// A liveliness token of the tool is on the bus: someone's, perhaps a page's.
     token: bool,
-    /// Name of its device, as the bus was told.
+    /// Name of its device, as the bus has it.
     device: Option<String>,
     /// The page that holds it, and what it calls itself.
     page: Option<(Socket, String)>,

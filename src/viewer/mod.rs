@@ -64,7 +64,7 @@ pub struct ViewerSettings {
     pub view_only: bool,
     /// Name of the instance.
     pub instance: String,
-    /// A recording is played: nobody moves its tools.
+    /// A recording is played: no one moves its tools.
     pub played: bool,
     /// Where others than this machine and holders of identities may come in.
     pub open: Vec<String>,
@@ -247,7 +247,7 @@ fn listen(address: SocketAddr, option: &'static str) -> Result<TcpListener, View
     })
 }
 
-/// 128 random bits as text: other sites cannot read it, and nobody guesses it.
+/// 128 random bits as text: other sites cannot read it, and no one guesses it.
 pub(crate) fn make_token() -> Result<String, getrandom::Error> {
     let mut bits = [0; 16];
     getrandom::fill(&mut bits)?;

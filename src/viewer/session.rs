@@ -1,4 +1,4 @@
-//! `/session.json`: what a page is told before it opens the socket.
+//! `/session.json`: what a page gets before it opens the socket.
 
 use axum::http::header;
 use axum::response::{IntoResponse, Response};
@@ -43,7 +43,7 @@ pub(super) struct SessionInfo {
     pub(super) open: Vec<String>,
 }
 
-/// JSON that nobody keeps.
+/// JSON that no one keeps.
 pub(super) fn json(value: &impl Serialize) -> Response {
     let text = serde_json::to_string(value).unwrap_or_default();
     let headers = [

@@ -257,7 +257,7 @@ fn order(key: &str, payload: &[u8]) -> Result<Order, &'static str> {
     }
 }
 
-/// Hands an order over, when there is room; false if nobody takes orders any more.
+/// Hands an order over, when there is room; false if no one takes orders any more.
 async fn pass_on(orders: &SyncSender<FromPage>, mut order: FromPage) -> bool {
     loop {
         match orders.try_send(order) {

@@ -47,7 +47,7 @@ impl Built {
         let scene = scene::Scene::build_to_run(&effective, &loaded.directory).map_err(refuse)?;
         let told = |finding: &Finding| match dictionary {
             true => format!("{}: {finding}", finding.path),
-            false => loaded.told(finding),
+            false => loaded.message(finding),
         };
         Ok(Self {
             warnings: scene.warnings().iter().map(told).collect(),

@@ -67,7 +67,7 @@ pub fn guard_crtk(
     // A guard that was started again comes to a force that acts already.
     let mut watchdog = Watchdog::new(false).from_nothing();
     let mut newest: Option<WrenchStamped> = None;
-    let (mut resting, mut told) = (true, 0.0);
+    let (mut resting, mut reported) = (true, 0.0);
     // How often zero is still to be sent, and when it was last.
     let mut again = (0, Instant::now());
     while !stop.load(Ordering::Relaxed) {
@@ -99,7 +99,7 @@ pub fn guard_crtk(
                 again = (again.0 - 1, Instant::now());
             }
             resting = true;
-        } else if came || gain != told {
+        } else if came || gain != reported {
             if resting {
                 absolute.put(&Bool { data: true });
             }
@@ -112,7 +112,7 @@ pub fn guard_crtk(
             forces.put(&felt);
             report.passed += u64::from(came);
         }
-        told = gain;
+        reported = gain;
     }
     if let Some(wrench) = newest.filter(|_| !resting) {
         rest(&wrench.header.frame_id);

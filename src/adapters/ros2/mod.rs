@@ -124,7 +124,7 @@ fn serve_arm(
     stop: &AtomicBool,
 ) -> anyhow::Result<()> {
     let (mut tool, info) = hold_tool(palpate, arm, &format!("ros2 {}", arm.pose), lockstep)?;
-    let mut told = false;
+    let mut reported = false;
     let report = loop {
         let coupling = Coupling {
             coupler: Coupler::new(arm.coupler.clone()),
@@ -134,7 +134,7 @@ fn serve_arm(
         match couple(&mut device, &mut tool, coupling) {
             // The device has no force, and tries again with its next pose: the other may have left.
             Err(CoupleError::Bus(error @ ClientError::Held { .. })) => {
-                if !std::mem::replace(&mut told, true) {
+                if !std::mem::replace(&mut reported, true) {
                     tracing::warn!(%error, "poses of a ROS device are dropped; later ones without a word");
                 }
             }
@@ -158,7 +158,7 @@ fn serve_arm(
     Ok(())
 }
 
-/// Takes the tool of an arm and tells what its device can do. In lockstep the first tick waits until
+/// Takes the tool of an arm and reports what its device can do. In lockstep the first tick waits until
 /// the daemon has it, so that sessions repeat.
 pub(super) fn hold_tool(
     palpate: &Palpate,

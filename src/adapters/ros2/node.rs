@@ -258,7 +258,7 @@ impl RosPublisher {
         }
     }
 
-    /// Somebody subscribes.
+    /// Someone subscribes.
     pub fn is_wanted(&self) -> bool {
         let status = self.publisher.matching_status().wait();
         status.is_ok_and(|status| status.matching())

@@ -200,7 +200,7 @@ fn arm(spec: &Ros2ToolSpec, path: &str, dt_s: f64, problems: &mut Problems) -> A
     plan
 }
 
-/// Each figure is checked by itself, so that all that are wrong are told.
+/// Each figure is checked by itself, so that all wrong ones are reported.
 fn frame(spec: &Ros2ToolSpec, path: &str, problems: &mut Problems) -> Frame {
     let (unturned, origin) = ([0.0, 0.0, 0.0, 1.0], [0.0; 3]);
     let checks = [
@@ -349,7 +349,7 @@ mod tests {
 
     #[test]
     fn mistakes_are_told_with_their_lines() {
-        let told = plan(
+        let reported = plan(
             "[ros2]\nnode = \"a b\"\n[[ros2.tool]]\ntool = \"pen\"\nscale = 0\nrotation = [1, 1, 0, 0]\n\
              pose = \"/a b\"\nforce_max_n = -1\nclutch = 40\n",
         )
@@ -363,9 +363,9 @@ mod tests {
             "s.toml:14:1: a device's greatest force",
             "s.toml:15:1: buttons have",
         ] {
-            assert!(told.contains(words), "{words}\n{told}");
+            assert!(reported.contains(words), "{words}\n{reported}");
         }
-        let told = plan("[[ros2.tool]]\ntool = \"ball\"\npreset = \"crkt\"\n").unwrap_err();
-        assert!(told.contains("crtk"), "{told}");
+        let reported = plan("[[ros2.tool]]\ntool = \"ball\"\npreset = \"crkt\"\n").unwrap_err();
+        assert!(reported.contains("crtk"), "{reported}");
     }
 }

@@ -16,7 +16,7 @@ const NETS_EVERY: Duration = Duration::from_millis(34);
 const LOOK_EVERY: Duration = Duration::from_millis(100);
 /// Between two looks at what is new.
 const TURN: Duration = Duration::from_millis(1);
-/// Calls that may wait; more are answered by nobody, and time out.
+/// Calls that may wait; more are answered by no one, and time out.
 const CALLS: usize = 64;
 
 /// Contact wrenches of one tool.
@@ -109,7 +109,7 @@ impl Scenery {
         }
     }
 
-    /// Takes from the bus what somebody subscribes to, and nothing else.
+    /// Takes from the bus what someone subscribes to, and nothing else.
     fn look(&mut self) {
         for contact in &mut self.contacts {
             match (contact.out.is_wanted(), &contact.newest) {

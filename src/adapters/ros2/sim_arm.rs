@@ -60,7 +60,7 @@ pub fn simulate_arm(
     let intake = Arc::new(Intake::default());
     let _receivers = receivers(&node, &topic, &intake, &queue)?;
     let (mut report, mut applied) = (ArmReport::default(), Applied::default());
-    let (mut pressed, mut told) = (None, None::<(Instant, bool)>);
+    let (mut pressed, mut reported) = (None, None::<(Instant, bool)>);
     let begun = Instant::now();
     while !stop.load(Ordering::Relaxed) && begun.elapsed() < duration {
         applied.take(&inputs, &mut report);
@@ -86,9 +86,10 @@ pub fn simulate_arm(
                 buttons: vec![down as i32],
             });
         }
-        if told.is_none_or(|(at, enabled)| enabled != applied.enabled || at.elapsed() > STATE_EVERY)
+        if reported
+            .is_none_or(|(at, enabled)| enabled != applied.enabled || at.elapsed() > STATE_EVERY)
         {
-            told = Some((Instant::now(), applied.enabled));
+            reported = Some((Instant::now(), applied.enabled));
             tell_state(&states, applied.enabled);
         }
         let due = Duration::from_secs_f64(report.poses as f64 * hand.dt_s());

@@ -37,14 +37,14 @@ pub(super) struct Grip {
 }
 
 impl Grip {
-    /// Takes a tool, on a thread of its own. `told` hears why that did not work.
+    /// Takes a tool, on a thread of its own. `reported` gets the reason for a failure.
     ///
     /// # Errors
     /// No thread.
     pub(super) fn take(
         hub: &Arc<Hub>,
         arm: &ArmPlan,
-        told: impl FnOnce(String) + Send + 'static,
+        reported: impl FnOnce(String) + Send + 'static,
     ) -> std::io::Result<Self> {
         let (inputs, queue) = sync_channel(QUEUE);
         let (stop, ended) = (Arc::<AtomicBool>::default(), Arc::<AtomicBool>::default());
@@ -59,7 +59,7 @@ impl Grip {
             .name(format!("palpate-rosbridge-{}", arm.tool))
             .spawn(move || {
                 if let Err(error) = move_tool(&hub, &arm, queue, &stop) {
-                    told(format!("{error:#}"));
+                    reported(format!("{error:#}"));
                 }
                 ended.store(true, Ordering::Release);
             })?;

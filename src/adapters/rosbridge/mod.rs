@@ -77,7 +77,7 @@ struct Hub {
 }
 
 impl Hub {
-    /// Sends a message of a topic to all that want it; nothing is made if nobody does.
+    /// Sends a message of a topic to all that want it; nothing is made if no one does.
     fn publish(&self, topic: &str, msg: impl FnOnce() -> Value) {
         let outlets = self.outlets.lock().unwrap_or_else(PoisonError::into_inner);
         let wanting: Vec<Arc<Outlet>> = (outlets.iter())
@@ -277,7 +277,7 @@ fn own_topic(arm: &ArmPlan, node: &str, name: &str) -> String {
     format!("/{node}/{}/{name}", arm.tool.replace('-', "_"))
 }
 
-/// What is told of a tool for as long as a client wants it.
+/// What is published of a tool for as long as a client wants it.
 enum Watched {
     /// What contacts do.
     Contacts(Latest<ToolContact>),
@@ -303,7 +303,7 @@ struct Client {
 
 impl Client {
     fn run(mut self, inbox: &Receiver<String>) {
-        let mut told = Instant::now();
+        let mut reported = Instant::now();
         loop {
             let frame = match self.watched.is_empty() {
                 true => inbox.recv().map_err(|_| RecvTimeoutError::Disconnected),
@@ -316,8 +316,8 @@ impl Client {
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => return,
             }
-            if told.elapsed() >= WATCHED_EVERY {
-                told = Instant::now();
+            if reported.elapsed() >= WATCHED_EVERY {
+                reported = Instant::now();
                 self.tell_watched();
             }
         }
@@ -451,8 +451,8 @@ impl Client {
         let again = known.is_none_or(|(grip, since)| grip.has_ended() && since.elapsed() > AGAIN);
         if take && again {
             let outlet = self.outlet.clone();
-            let told = move |why: String| outlet.answer(status(None, &why));
-            let grip = Grip::take(&self.hub, &self.hub.plan.arms[k], told);
+            let reported = move |why: String| outlet.answer(status(None, &why));
+            let grip = Grip::take(&self.hub, &self.hub.plan.arms[k], reported);
             let grip = grip.map_err(|error| error.to_string())?;
             self.grips.insert(k, (grip, Instant::now()));
         }
@@ -567,7 +567,7 @@ impl Client {
         }
     }
 
-    /// What `rosapi` tells of topics and services.
+    /// What `rosapi` reports of topics and services.
     fn about(&self, what: &str) -> Result<Value, String> {
         let plan = &self.hub.plan;
         match what {

@@ -11,14 +11,14 @@ const USUAL_HZ: f64 = 900.0;
 pub(super) struct HeldTool {
     pub tool: String,
     pub device: String,
-    /// As it told, or as its adapter measured; 0 where neither did.
+    /// As it reported, or as its adapter measured; 0 where neither did.
     pub rate_hz: f64,
 }
 
 /// Asks a daemon for the devices of its tools.
 ///
 /// # Errors
-/// Nobody answers there.
+/// No one answers there.
 pub(super) fn ask(connection: &Connection) -> anyhow::Result<Vec<HeldTool>> {
     let palpate = connection.open()?;
     let info: serde_json::Value = serde_json::from_str(&palpate.info()?)?;

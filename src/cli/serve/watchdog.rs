@@ -19,7 +19,7 @@ const ASK_EVERY: u32 = 10;
 /// A lockstep without a holder for each tool says so after this long.
 const QUIET: Duration = Duration::from_secs(5);
 
-/// Says whether somebody has begun to use a daemon that waits in a fleet.
+/// Says whether someone has begun to use a daemon that waits in a fleet.
 pub type InUse = Box<dyn Fn() -> bool + Send>;
 
 /// Starts the thread if there is something to watch.

@@ -48,7 +48,7 @@ pub fn ros2_bag(session: &Session, range: &Range, out: &Path) -> Result<u64, Exp
     let name = format!("{stem}_0.mcap");
     let file = BufWriter::new(std::fs::File::create(out.join(&name))?);
     let tools = session.header.names("tools");
-    // A scene that this build cannot read has ticks nevertheless, but nobody knows its nets.
+    // A scene that this build cannot read has ticks nevertheless, but no one knows its nets.
     let hash = [0; 32];
     let scene = recorded_scene(session).map(|scene| first_snapshot(&scene, hash).bodies);
     let bodies = scene.unwrap_or_default();

@@ -152,7 +152,7 @@ impl ToolSum {
         figures.peak_force_n = figures.peak_force_n.max(force_n);
         let touching = output.contact.is_some();
         if let Some(contact) = &output.contact {
-            // A tool that nobody holds stays where it was left, and what it presses comes back over it.
+            // A tool that no one holds stays where it was left, and what it presses comes back over it.
             if output.flags & flags::STALE == 0 {
                 figures.peak_depth_m = figures.peak_depth_m.max(contact.depth_m);
             }

@@ -5,7 +5,7 @@ use palpate_sim::scene::spec::SceneSpec;
 use toml::{Table, Value};
 
 /// Reads the scene of a recording. Our recordings have every file of their scene in it; a recording of
-/// somebody else's that names files of this machine is refused before anything is opened.
+/// someone else's that names files of this machine is refused before anything is opened.
 ///
 /// # Errors
 /// It does not parse, or names a file.

@@ -56,7 +56,7 @@ pub(in super::super) struct ChannelHead {
 }
 
 impl Session {
-    /// Opens a file: reads its head and its index. Chunks are read when somebody follows the
+    /// Opens a file: reads its head and its index. Chunks are read when someone follows the
     /// session; damage in them shows then.
     ///
     /// A file without an index, or with one that is wrong, is read through once, to find out what
@@ -138,7 +138,7 @@ impl Session {
             }
         };
         check(path, &layout.header)?;
-        // One chunk that names another way is damage; all of them are somebody else's choice.
+        // One chunk that names another way is damage; all of them are someone else's choice.
         let known = |name: &String| ["none", "zstd"].contains(&name.as_str());
         if let Some(found) = layout.compression.first()
             && !layout.compression.iter().any(known)

@@ -11,7 +11,7 @@ use std::sync::Arc;
 const SCENE: usize = 0;
 /// Number of the view that has the tools' frames.
 const TF: usize = 1;
-/// Number of the view that tells events.
+/// Number of the view that shows events.
 pub(crate) const LOG: usize = 2;
 /// Views before those of bodies.
 const FIXED: usize = 3;
@@ -51,7 +51,7 @@ impl Pictures {
         Self {
             nets: vec![None; scene.body_count()],
             tools: vec![Vec::new(); scene.tool_count()],
-            // Unlike anything: the first one is told.
+            // Unlike anything: the first one is written.
             wrenches: vec![[f64::NAN; 6]; scene.tool_count()],
             shapes: Arc::new(Shapes {
                 bodies: bodies.collect(),
@@ -94,7 +94,7 @@ impl Pictures {
         }
     }
 
-    /// The next picture shows all again, except nets that nobody gives anew.
+    /// The next picture shows all again, except nets that no one gives anew.
     pub(crate) fn start_again(&mut self) {
         self.drawn = false;
         self.tools.iter_mut().for_each(Vec::clear);

@@ -1,4 +1,4 @@
-//! Measures: what is looked at, when, and in which unit it is told.
+//! Measures: what is looked at, when, and in which unit it is reported.
 //!
 //! One module for each that is more than a line: volume outside a prism, penetration, edges, maps.
 
@@ -83,7 +83,7 @@ impl MeasureSpec {
     }
 }
 
-/// When something is looked at, and what is told of it.
+/// When something is looked at, and what is reported of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum When {

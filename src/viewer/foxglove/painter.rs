@@ -18,8 +18,8 @@ pub(super) struct Painter {
     tools: Vec<Vec<f64>>,
     /// Something came since the last picture.
     fresh: bool,
-    /// Events up to this number were told.
-    told: u64,
+    /// Events up to this number were sent.
+    reported: u64,
 }
 
 impl Painter {
@@ -30,7 +30,7 @@ impl Painter {
             tools: vec![Vec::new(); scene.tool_count()],
             scene,
             fresh: false,
-            told: 0,
+            reported: 0,
         }
     }
 
@@ -48,15 +48,15 @@ impl Painter {
     pub(super) fn start_again(&mut self, log: bool) {
         self.pictures.start_again();
         if log {
-            self.told = 0;
+            self.reported = 0;
         }
     }
 
     /// The same for another scene.
     pub(super) fn for_scene(&self, scene: Arc<Scene>) -> Self {
-        let told = self.told;
+        let reported = self.reported;
         Self {
-            told,
+            reported,
             ..Self::new(scene)
         }
     }
@@ -81,7 +81,7 @@ impl Painter {
         }
     }
 
-    /// Where tools stand that nobody has moved yet.
+    /// Where tools stand that no one has moved yet.
     fn take_scene(&mut self, payload: &[u8]) {
         let Ok(snapshot) = decode::<SceneSnapshot>(payload, "") else {
             return;
@@ -120,8 +120,8 @@ impl Painter {
 
     fn tell(&mut self, payload: &[u8], put: &mut impl FnMut(usize, u64, &[u8])) {
         let event = decode::<SimEvent>(payload, "").ok();
-        if let Some(event) = event.filter(|event| event.seq > self.told) {
-            self.told = event.seq;
+        if let Some(event) = event.filter(|event| event.seq > self.reported) {
+            self.reported = event.seq;
             let (kind, detail) = event_words(&event.kind);
             let line = log_view(stamp_of(event.t_ns), kind, &detail);
             put(LOG_VIEW, event.t_ns, &line);

@@ -64,7 +64,7 @@ const CONTRACTION: f64 = 0.75;
 const EDGE: f64 = 1e-12;
 
 /// How many times its extent a chain is widened for its verification: where rounding is large, only
-/// a wide box has a Jacobian that is told from it.
+/// a wide box has a Jacobian that is computed from it.
 const WIDENED: [f64; 4] = [2.0, 16.0, 128.0, 1024.0];
 
 /// Part of [0, 1]².

@@ -127,7 +127,7 @@ impl<'a> Pair<'a> {
                 Some(Crossing::Segment(p, q)) => (q - p).norm() > tolerance,
             }
         });
-        // Without a crossing one holds the other or they are apart: one corner of each tells.
+        // Without a crossing one holds the other or they are apart: one corner of each decides.
         cross
             || self.fixed.winding(&(self.moving.points[0] + by)) != 0
             || self.moving.winding(&(self.fixed.points[0] - by)) != 0

@@ -17,7 +17,7 @@ pub(super) enum Ends {
     Held,
 }
 
-/// A pivot below this share of its diagonal is rounding: no sample tells that control point from
+/// A pivot below this share of its diagonal is rounding: no sample distinguishes that control point from
 /// those before it.
 const DEPENDENT: f64 = 1e-12;
 /// How much differences of neighbours count where samples say too little, as a share of the largest

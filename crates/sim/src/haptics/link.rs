@@ -184,12 +184,12 @@ impl Link {
         }
     }
 
-    /// Nobody ever moved the tool, or its force has faded since: what it touches pushes nobody.
+    /// No one ever moved the tool, or its force has faded since: what it touches pushes no one.
     pub fn feels_nothing(&self) -> bool {
         self.phase == LinkPhase::Absent || self.has_let_go()
     }
 
-    /// Nobody moves the tool, and its force has faded: it touches nothing any more.
+    /// No one moves the tool, and its force has faded: it touches nothing any more.
     pub fn has_let_go(&self) -> bool {
         matches!(self.phase, LinkPhase::Stale | LinkPhase::Jumped) && self.limit_n == 0.0
     }

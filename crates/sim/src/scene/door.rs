@@ -331,7 +331,7 @@ fn spaced(unit: &str) -> String {
 }
 
 /// What is wrong with TOML in a file that a scene names, and where. Its text is not repeated: a scene
-/// of somebody else can name any file, and the message goes where that one can read it.
+/// of someone else can name any file, and the message goes where that one can read it.
 pub(super) fn words_of_another(text: &str, error: &toml::de::Error) -> String {
     let Place { line, column, .. } = Place::of("", text, error.span().map_or(0, |span| span.start));
     let message = match error.message().split_once(", expected ") {

@@ -147,7 +147,7 @@ impl Loaded {
     }
 
     /// A finding about the scene, with its line.
-    pub fn told(&self, finding: &Finding) -> String {
+    pub fn message(&self, finding: &Finding) -> String {
         let start = Spans::of(&self.text).start_of(&finding.path);
         let Place { file, line, column } = Place::of(&self.name, &self.text, start);
         format!("{file}:{line}:{column}: {finding}")

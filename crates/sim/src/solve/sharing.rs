@@ -113,7 +113,7 @@ fn multiplier(
         loop {
             let next = y + step * scale;
             let looked = look(&next);
-            // Near the end the cost is flat to rounding; the gradient still tells.
+            // Near the end the cost is flat to rounding; the gradient still decides.
             let better = looked.cost <= now.cost - 1e-4 * scale * slope
                 || looked.miss.norm() <= 0.5 * now.miss.norm();
             if better || scale < 1e-6 {

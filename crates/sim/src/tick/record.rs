@@ -16,7 +16,7 @@ pub struct TickInput {
     /// Finite, with unit quaternions; `None`: nothing new since the last tick.
     pub poses: ByTool<Option<DevicePose>>,
     /// Deadlines of a loop in real time that were dropped before this tick. Poses age by them, and forces fade:
-    /// nobody's force acts longer because a loop cannot keep its rate.
+    /// no one's force acts longer because a loop cannot keep its rate.
     pub skipped: u32,
 }
 

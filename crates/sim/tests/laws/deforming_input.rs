@@ -1,4 +1,4 @@
-//! What is wrong with the deforming part of a scene is told where it is, before the first tick.
+//! What is wrong with the deforming part of a scene is reported where it is, before the first tick.
 
 use palpate_sim::scene::file;
 use std::path::Path;
@@ -146,18 +146,18 @@ fn a_value_out_of_range_names_its_line() {
         ),
     ];
     for (more, expected) in cases {
-        let told = refusal(&slab("lattice", more));
+        let reported = refusal(&slab("lattice", more));
         let expected = format!("s.toml:{expected}");
         assert!(
-            told.lines().any(|line| line.starts_with(&expected)),
-            "{more:?} gives\n{told}\nnot\n{expected}"
+            reported.lines().any(|line| line.starts_with(&expected)),
+            "{more:?} gives\n{reported}\nnot\n{expected}"
         );
     }
     let frame = format!("[gravity]\nframe = \"hnd\"\n{}", slab("lattice", THICK));
-    let told = refusal(&frame);
+    let reported = refusal(&frame);
     assert!(
-        told.starts_with("s.toml:2:1: there is no tool \"hnd\""),
-        "{told}"
+        reported.starts_with("s.toml:2:1: there is no tool \"hnd\""),
+        "{reported}"
     );
 }
 
@@ -261,7 +261,7 @@ fn every_problem_of_a_scene_is_listed_at_once() {
                 lattice = { thickness_m = 0.02, layers = 2, refine = \"none\" }\nintegrator = { method = \"xpbd\" }\n\n\
                 [[tool]]\nid = \"ball\"\nshape = { cone = { half_angle_rad = 2.0, height_m = -1.0 } }\ngrip = { force_max_n = -1.0 }\n\n\
                 [[tool]]\nid = \"pen\"\nshape = { implicit = { f = \"x +\" } }\n";
-    let told = refusal(text);
+    let reported = refusal(text);
     let starts = [
         "s.toml:1:1: a membrane needs a thickness",
         "s.toml:11:1: xpbd knows linear springs only",
@@ -270,8 +270,8 @@ fn every_problem_of_a_scene_is_listed_at_once() {
         "s.toml:16:10: force_max_n is -1; it must be 0 or more N (0: it never holds)",
         "s.toml:20:24: ",
     ];
-    let lines: Vec<&str> = told.lines().collect();
-    assert_eq!(lines.len(), starts.len(), "{told}");
+    let lines: Vec<&str> = reported.lines().collect();
+    assert_eq!(lines.len(), starts.len(), "{reported}");
     for (line, start) in lines.iter().zip(starts) {
         assert!(line.starts_with(start), "{line}\nnot\n{start}");
     }

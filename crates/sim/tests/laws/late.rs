@@ -195,14 +195,19 @@ fn forces_go_on_smoothly_while_every_step_is_late() {
 #[test]
 fn only_bodies_that_step_apart_can_be_put_off() {
     let text = SLAB.replace("every = 4", "every = 1");
-    let (mut plain, mut told) = (World::new(&text), World::new(&text));
+    let (mut plain, mut reported) = (World::new(&text), World::new(&text));
     for k in 0..50 {
         for body in [0, 7] {
             let command = Command::PutOff { body };
-            apply(&told.scene, &mut told.state, &mut told.scratch, command);
+            apply(
+                &reported.scene,
+                &mut reported.state,
+                &mut reported.scratch,
+                command,
+            );
         }
         plain.at_in_place(place(k));
-        told.at_in_place(place(k));
-        assert_eq!(state_hash(&plain.state), state_hash(&told.state));
+        reported.at_in_place(place(k));
+        assert_eq!(state_hash(&plain.state), state_hash(&reported.state));
     }
 }

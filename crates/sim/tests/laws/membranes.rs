@@ -256,7 +256,7 @@ fn a_seam_with_a_gap_of_rounding_stays_closed_in_every_model() {
 
 #[test]
 fn a_seam_that_is_open_by_little_is_told_with_its_gap() {
-    for (gap_m, told) in [(0.0, 0), (1e-11, 0), (1e-9, 1), (1e-6, 1), (1e-3, 0)] {
+    for (gap_m, reported) in [(0.0, 0), (1e-11, 0), (1e-9, 1), (1e-6, 1), (1e-3, 0)] {
         let world = World::new(&text_ball(gap_m, "membrane", "thickness_m = 0.001"));
         let found = world.scene.findings();
         let found: Vec<_> = (found.iter())
@@ -264,8 +264,8 @@ fn a_seam_that_is_open_by_little_is_told_with_its_gap() {
                 finding.path == "body[0].surface" && finding.what.contains("seam in u")
             })
             .collect();
-        assert_eq!(found.len(), told, "{gap_m:e}: {found:?}");
-        if told > 0 {
+        assert_eq!(found.len(), reported, "{gap_m:e}: {found:?}");
+        if reported > 0 {
             let gap = format!("the seam in u is open by {gap_m:.1e} m");
             assert!(found[0].what.contains(&gap), "{found:?}");
         }

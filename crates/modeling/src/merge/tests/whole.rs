@@ -192,7 +192,7 @@ fn seams_are_as_continuous_as_asked() {
             }
         }
     }
-    // A crease that nobody asked to be smoothed is seen by the same measure.
+    // A crease that no one asked to be smoothed is seen by the same measure.
     let case = &cases()[0];
     let merged = merge(&case.patches, &spec(0, MergeMethod::Constrained)).unwrap();
     assert!(merged.report(&case.patches).seams[0].1.tangent_deg > 10.0);

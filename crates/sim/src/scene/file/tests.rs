@@ -151,20 +151,20 @@ fn every_problem_names_its_line() {
         } else {
             format!("{text}\n{GOOD}")
         };
-        let told = problems(&whole);
+        let reported = problems(&whole);
         assert!(
-            told.lines().any(|line| line.starts_with(expected)),
-            "{text:?} gives\n{told}\nnot\n{expected}"
+            reported.lines().any(|line| line.starts_with(expected)),
+            "{text:?} gives\n{reported}\nnot\n{expected}"
         );
     }
 }
 
 #[test]
 fn all_problems_are_listed_not_only_the_first() {
-    let told = problems(
+    let reported = problems(
         "[loop]\nrate_hz = 20000\n[record]\nnet_hz = 0.0\n[[body]]\nid = \"x\"\nsurface = { builtin = \"cube\" }\n",
     );
-    assert_eq!(told.lines().count(), 3, "{told}");
+    assert_eq!(reported.lines().count(), 3, "{reported}");
 }
 
 #[test]

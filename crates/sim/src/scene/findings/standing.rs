@@ -9,7 +9,7 @@ use palpate_geometry::contact::ToolShape;
 use palpate_geometry::math::{Point3, Vector3};
 use palpate_geometry::skin::SkinSolver;
 
-/// How far from a body a tool is told to start, relative to the size of the body.
+/// How far from a body a tool that is warned of starts, relative to the size of the body.
 const CLEARANCE: f64 = 0.02;
 /// Bodies of which one deforms may stand in each other by this share of the smaller one.
 const MOST_OVERLAP: f64 = 0.05;

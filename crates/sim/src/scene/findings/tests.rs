@@ -251,17 +251,17 @@ fn a_body_too_nearly_incompressible_is_not_to_run() {
 #[test]
 fn contacts_of_a_few_ticks_are_told_with_the_rate_that_gives_them_ten() {
     let stiff = ball("young_pa = 20e3", "young_pa = 20e6");
-    let told = one(&stiff, "body[1].material");
-    assert!(told.what.contains("ticks at 1 m/s"), "{told:?}");
-    assert!(told.what.contains("rate_hz = "), "{told:?}");
+    let reported = one(&stiff, "body[1].material");
+    assert!(reported.what.contains("ticks at 1 m/s"), "{reported:?}");
+    assert!(reported.what.contains("rate_hz = "), "{reported:?}");
     let light = format!(
         "{}[[tool]]\nid = \"pen\"\npose = {{ position = [0.0, 0.0, 0.1] }}\n",
         ball("model = \"lattice\"", "free = true")
             .replace("lattice = { layers = 1, refine = \"none\" }", "")
             .replace("density_kg_m3 = 1000.0", "density_kg_m3 = 30.0")
     );
-    let told = one(&light, "tool[0].coupling.stiffness_n_m");
-    assert!(told.what.contains("% too low"), "{told:?}");
+    let reported = one(&light, "tool[0].coupling.stiffness_n_m");
+    assert!(reported.what.contains("% too low"), "{reported:?}");
     let heavy = light.replace("density_kg_m3 = 30.0", "density_kg_m3 = 3000.0");
     assert_eq!(findings(&heavy), []);
 }
@@ -275,13 +275,19 @@ fn free_bodies_of_very_different_masses_are_told() {
         )
     };
     assert_eq!(findings(&two(2_000.0)), []);
-    let told = one(&two(20_000.0), "body[2].material.density_kg_m3");
-    assert!(told.what.contains("times as heavy as ball"), "{told:?}");
+    let reported = one(&two(20_000.0), "body[2].material.density_kg_m3");
+    assert!(
+        reported.what.contains("times as heavy as ball"),
+        "{reported:?}"
+    );
 }
 
 #[test]
 fn tools_that_start_inside_a_body_are_told_with_a_place_outside() {
     let text = format!("{BALL}[[tool]]\nid = \"pen\"\npose = {{ position = [0.0, 0.0, 0.05] }}\n");
-    let told = one(&text, "tool[0].pose");
-    assert!(told.what.contains("mm inside body ball"), "{told:?}");
+    let reported = one(&text, "tool[0].pose");
+    assert!(
+        reported.what.contains("mm inside body ball"),
+        "{reported:?}"
+    );
 }

@@ -15,7 +15,7 @@ type Row = (
 use ModelSpec::{Continuum, Lattice, Membrane, Net};
 const DEFORMING: &[ModelSpec] = &[Membrane, Lattice, Continuum, Net];
 
-/// Keys whose absence can be told from their default.
+/// Keys whose absence differs from their default.
 const ROWS: [Row; 9] = [
     (
         "material.poisson",

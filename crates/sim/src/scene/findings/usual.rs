@@ -193,7 +193,7 @@ fn size_of(points: &[Point3]) -> f64 {
     (high - low).norm()
 }
 
-/// Bodies and tools as large as nobody means.
+/// Bodies and tools as large as no one means.
 fn sizes(scene: &Scene, found: &mut Found) {
     let mut largest_m = 0.0_f64;
     for (b, body) in scene.bodies.iter().enumerate() {
