@@ -172,7 +172,7 @@ fn poked(case: &str, model: &str, poisson: f64, scale: f64, ticks: usize) -> Res
     let (constants, state) = world.body()?;
     let (left_m, left) = (world.away_m()?, constants.energy_j(state) / most_j);
     let may_be_left = MOST_LEFT.powf(scale.min(1.0).sqrt());
-    let cautious = state.caution.level;
+    let cautious = state.convergence.level;
     let fastest_m_s = state.velocities.iter().map(|v| v.norm());
     // A shell may snap through, and then rests in another shape.
     let dented = model == "membrane" && fastest_m_s.fold(0.0, f64::max) < STILL_M_S;

@@ -11,7 +11,6 @@ mod queries;
 mod sleep;
 
 use super::before::Before;
-use super::calm::{Outline, STILL_STEPS};
 use super::core::{Made, SurfaceBlocks};
 use super::field::Field;
 use super::following::{Following, Follows};
@@ -26,6 +25,7 @@ use super::scratch::DeformableScratch;
 use super::settings::{DeformableError, StepSettings};
 use super::state::DeformableState;
 use super::stepper::Stepper;
+use super::stillness::{Outline, STILL_STEPS};
 use palpate_geometry::math::{Point3, Vector3};
 
 /// Constants of a body.
@@ -456,7 +456,7 @@ impl Deformable {
         }
         self.drop_loads(scratch);
         let flowed = self.flow(state, scratch);
-        let balanced = state.calm.steps + 1 >= STILL_STEPS && self.is_borne(state, scratch);
+        let balanced = state.stillness.steps + 1 >= STILL_STEPS && self.is_borne(state, scratch);
         self.count_still(state, touched, handled || flowed, balanced);
     }
 
@@ -601,7 +601,7 @@ impl Deformable {
     pub fn rest_state(&self) -> DeformableState {
         let mut state = self.matter.rest_state();
         if let Stepper::Implicit(implicit) = &self.stepper {
-            state.caution = implicit.caution(&self.matter);
+            state.convergence = implicit.convergence(&self.matter);
             state.pressures = vec![[0.0; 4]; implicit.pressure_lanes(&self.matter)];
             if !state.pressures.is_empty() {
                 state.following =

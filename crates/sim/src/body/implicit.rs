@@ -19,7 +19,7 @@
 
 mod matrices;
 
-use super::caution::{BOUNDING, Caution};
+use super::convergence::{BOUNDING, Convergence};
 use super::core::{Core, Factor, Made};
 use super::elements::Weight;
 use super::follow;
@@ -196,12 +196,12 @@ impl ImplicitStep {
             loads: Rows::zeros(if self.iterations > 1 { n } else { 0 }),
             merit_j: 0.0,
             moved: vec![Vector3::zeros(); n],
-            caution: self.caution(matter),
+            convergence: self.convergence(matter),
             last_m2: f64::INFINITY,
             pressures: vec![[0.0; 4]; pressures],
             gaps: vec![[0.0; 4]; pressures],
             core: 0,
-            taut: 0,
+            tension: 0,
             starts: matter.rest.clone(),
             inertia: None,
             rigid: RigidPart::for_places(if matter.is_free() {
@@ -214,13 +214,13 @@ impl ImplicitStep {
     }
 
     /// That of a body at rest.
-    pub(super) fn caution(&self, matter: &Matter) -> Caution {
-        let mut caution = Caution::default();
+    pub(super) fn convergence(&self, matter: &Matter) -> Convergence {
+        let mut convergence = Convergence::default();
         if self.is_cautious() {
-            caution.corrections = vec![[0.0; 4]; matter.unknown_count()];
-            caution.set_to_rest();
+            convergence.corrections = vec![[0.0; 4]; matter.unknown_count()];
+            convergence.set_to_rest();
         }
-        caution
+        convergence
     }
 
     /// How much the body may strain in a step, by itself and then with its contacts.
@@ -235,7 +235,7 @@ impl ImplicitStep {
 
     /// Hands over to the state what the step ends with.
     pub(super) fn end(&self, state: &mut DeformableState, scratch: &DeformableScratch) {
-        state.caution.clone_from(&scratch.implicit.caution);
+        state.convergence.clone_from(&scratch.implicit.convergence);
         state.pressures.copy_from_slice(&scratch.implicit.pressures);
     }
 
@@ -246,7 +246,7 @@ impl ImplicitStep {
         match self.is_cautious() {
             _ if self.kind != Kind::Sheet => true,
             false => false,
-            true => state.caution.level < BOUNDING,
+            true => state.convergence.level < BOUNDING,
         }
     }
 
@@ -259,19 +259,19 @@ impl ImplicitStep {
     ) {
         lanes(&scratch.reached, &mut scratch.coordinates);
         let implicit = &mut scratch.implicit;
-        implicit.caution.clone_from(&state.caution);
+        implicit.convergence.clone_from(&state.convergence);
         implicit.pressures.copy_from_slice(&state.pressures);
         implicit.inertia = (matter.is_free()).then(|| Inertia::of(matter, &scratch.reached));
         implicit.starts.copy_from_slice(&scratch.reached);
         implicit.last_m2 = f64::INFINITY;
         if self.is_cautious() {
-            implicit.caution.step();
+            implicit.convergence.step();
             if self.kind == Kind::Sheet {
-                let now = tautness(matter, state, &mut scratch.coordinates);
+                let now = tension(matter, state, &mut scratch.coordinates);
                 let follows = TAUT.iter().position(|&most| now <= most);
-                implicit.taut = follows.unwrap_or(TAUT.len() - 1);
+                implicit.tension = follows.unwrap_or(TAUT.len() - 1);
                 if follows.is_none() {
-                    implicit.caution.level = BOUNDING;
+                    implicit.convergence.level = BOUNDING;
                 }
                 lanes(&scratch.reached, &mut scratch.coordinates);
             }
@@ -287,12 +287,12 @@ impl ImplicitStep {
             ..
         } = scratch;
         let bounding = self.cores.len() - 1;
-        implicit.core = match (self.kind, implicit.caution.level) {
+        implicit.core = match (self.kind, implicit.convergence.level) {
             (Kind::Continuum, _) => 0,
             (_, BOUNDING..) => bounding,
             _ if !self.is_cautious() => bounding,
             (Kind::Lattice, level) => level as usize,
-            (Kind::Sheet, 0) => implicit.taut,
+            (Kind::Sheet, 0) => implicit.tension,
             (Kind::Sheet, _) => TAUT.len() - 1,
         };
         let ImplicitScratch {
@@ -346,7 +346,7 @@ impl ImplicitStep {
 
     /// The matrix that the step takes instead of its own, if it does.
     pub(super) fn fall_back(&self, scratch: &ImplicitScratch) -> Option<FallBack> {
-        match scratch.caution.level {
+        match scratch.convergence.level {
             0 => None,
             level if level < BOUNDING => Some(FallBack::Firmer),
             _ => Some(FallBack::Bounding),
@@ -389,18 +389,18 @@ impl ImplicitStep {
             self.answer(matter, scratch, true);
             let Some(springs) = &self.springs else { break };
             let implicit = &mut scratch.implicit;
-            if !self.is_cautious() || implicit.caution.level >= BOUNDING {
+            if !self.is_cautious() || implicit.convergence.level >= BOUNDING {
                 break;
             }
             let next = match first {
                 true => implicit.turns_over(springs),
-                false if implicit.diverges(springs) => implicit.caution.level + 1,
-                false => implicit.caution.level,
+                false if implicit.diverges(springs) => implicit.convergence.level + 1,
+                false => implicit.convergence.level,
             };
-            if next == implicit.caution.level {
+            if next == implicit.convergence.level {
                 break;
             }
-            implicit.caution.raise(next);
+            implicit.convergence.raise(next);
             if !first {
                 // From the next step on: the response of this one is settled.
                 break;
@@ -629,17 +629,17 @@ fn since(frame: &Frame, made_in: &Frame) -> Frame {
 }
 
 /// How taut a sheet is, or will be where damping looks.
-fn tautness(matter: &Matter, state: &DeformableState, places: &mut [Lane]) -> f64 {
+fn tension(matter: &Matter, state: &DeformableState, places: &mut [Lane]) -> f64 {
     let rest = matter.rest_lengths(state);
     lanes(&state.positions, places);
-    let now = matter.law.tautness(rest, places);
+    let now = matter.law.tension(rest, places);
     let ahead_s = matter.settings.dt_s + matter.damping_s;
     for (lane, v) in places.iter_mut().zip(&state.velocities) {
         for (value, part) in lane.iter_mut().zip(v.iter()) {
             *value += part * ahead_s;
         }
     }
-    now.max(matter.law.tautness(rest, places))
+    now.max(matter.law.tension(rest, places))
 }
 
 impl ImplicitScratch {
@@ -658,7 +658,7 @@ impl ImplicitScratch {
     fn turns_over(&mut self, springs: &Springs) -> u32 {
         let (mut any, mut wild) = (false, false);
         let wild_m2 = springs.wild_m * springs.wild_m;
-        let all = self.caution.corrections.iter_mut().zip(&self.moved);
+        let all = self.convergence.corrections.iter_mut().zip(&self.moved);
         for ((last, now), &[rounding_m, large_m]) in all.zip(&springs.watched_m) {
             let before = Vector3::new(last[0], last[1], last[2]);
             let (along, old, new) = (before.dot(now), before.norm_squared(), now.norm_squared());
@@ -676,8 +676,8 @@ impl ImplicitScratch {
         self.last_m2 = f64::INFINITY;
         match (wild, any) {
             (true, _) => BOUNDING,
-            (_, true) => self.caution.level + 1,
-            _ => self.caution.level,
+            (_, true) => self.convergence.level + 1,
+            _ => self.convergence.level,
         }
     }
 

@@ -9,9 +9,8 @@
 
 mod before;
 mod bins;
-pub(crate) mod calm;
-mod caution;
 mod cells;
+mod convergence;
 mod core;
 mod cube;
 #[cfg(test)]
@@ -57,6 +56,7 @@ mod skin_motion;
 mod som;
 mod state;
 mod stepper;
+pub(crate) mod stillness;
 mod tangent;
 mod tetrahedra;
 mod through_skin;

@@ -1,7 +1,7 @@
 //! Buffers of a body's step.
 
 use super::before::{Before, Look};
-use super::caution::Caution;
+use super::convergence::Convergence;
 use super::core::{FactorWork, Made};
 use super::elements::spring_table::ByCoordinate;
 use super::field::Field;
@@ -89,7 +89,7 @@ pub(super) struct ImplicitScratch {
     /// (unknowns), m: the solution in the world.
     pub(super) moved: Vec<Vector3>,
     /// The state's caution after the step.
-    pub(super) caution: Caution,
+    pub(super) convergence: Convergence,
     /// Σ |correction|² of the last further iteration, m².
     pub(super) last_m2: f64,
     /// Pressures so far, Pa, and the gaps between them and the volumes at the last look.
@@ -98,7 +98,7 @@ pub(super) struct ImplicitScratch {
     /// Which core the step takes.
     pub(super) core: usize,
     /// Which of them a sheet as taut as in this step takes.
-    pub(super) taut: usize,
+    pub(super) tension: usize,
     /// (coordinates), m: where the step starts.
     pub(super) starts: Vec<Point3>,
     /// Of a free body, there.

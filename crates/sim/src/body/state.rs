@@ -1,9 +1,9 @@
 //! What a replay restores of a deforming body.
 
-use super::calm::{Calm, STILL_STEPS};
-use super::caution::Caution;
+use super::convergence::Convergence;
 use super::following::Following;
 use super::matter::Matter;
+use super::stillness::{STILL_STEPS, Stillness};
 use crate::in_place::clone_in_place;
 use palpate_geometry::math::{Lane, Point3, Vector3};
 use palpate_geometry::stateful;
@@ -29,11 +29,11 @@ pub struct DeformableState {
     /// Which matrix its step takes.
     pub following: Following,
     /// Whether the implicit step's tangent can follow springs.
-    pub caution: Caution,
+    pub convergence: Convergence,
     /// Body steps in a row in which nothing moved; at a hundred the body sleeps.
     pub still: u32,
     /// How long it has stayed where it is, on other bodies.
-    pub calm: Calm,
+    pub stillness: Stillness,
     /// It lies calm on others, and neither steps nor is looked at.
     pub left_alone: bool,
     /// Body steps slept through.
@@ -48,9 +48,9 @@ clone_in_place!(DeformableState {
     contact_n,
     pressures,
     following,
-    caution,
+    convergence,
     still,
-    calm,
+    stillness,
     left_alone,
     slept,
 });
@@ -58,7 +58,7 @@ clone_in_place!(DeformableState {
 impl DeformableState {
     /// It has stayed where it is for a while, on other bodies or by itself, and no tool touched it.
     pub fn lies_calm(&self) -> bool {
-        self.calm.is_long() || self.still >= STILL_STEPS
+        self.stillness.is_long() || self.still >= STILL_STEPS
     }
 
     /// It lies calm on other bodies and neither steps nor is looked at.
@@ -72,7 +72,7 @@ impl DeformableState {
         if left_alone {
             self.velocities.fill(Vector3::zeros());
         } else {
-            self.calm.steps = 0;
+            self.stillness.steps = 0;
         }
     }
 }
@@ -86,9 +86,9 @@ stateful!(DeformableState, |this, walk| {
         contact_n,
         pressures,
         following,
-        caution,
+        convergence,
         still,
-        calm,
+        stillness,
         left_alone,
         slept,
     } = this;
@@ -101,18 +101,18 @@ stateful!(DeformableState, |this, walk| {
     if !pressures.is_empty() {
         walk.part(following)?;
     }
-    let Caution {
+    let Convergence {
         corrections,
         level,
         steps,
         next,
-    } = caution;
+    } = convergence;
     walk.lanes(corrections)?;
     walk.coded("matrix of the step", level)?;
     walk.coded("cautious steps", steps)?;
     walk.coded("cautious steps next time", next)?;
     walk.coded("number of still steps", still)?;
-    let Calm { from, steps } = calm;
+    let Stillness { from, steps } = stillness;
     walk.triples(from)?;
     walk.coded("number of calm steps", steps)?;
     walk.coded("left alone", left_alone)?;
@@ -137,9 +137,9 @@ impl Matter {
             contact_n,
             pressures,
             following,
-            caution,
+            convergence,
             still,
-            calm,
+            stillness,
             left_alone,
             slept,
         } = state;
@@ -147,7 +147,7 @@ impl Matter {
         contact_n.resize(self.surface.len(), Vector3::zeros());
         pressures.fill([0.0; 4]);
         following.set_to_rest();
-        caution.set_to_rest();
+        convergence.set_to_rest();
         positions.clone_from(&self.rest);
         velocities.clear();
         match &self.launch {
@@ -162,7 +162,7 @@ impl Matter {
         rest_lengths.extend_from_slice(rest);
         plastic_strain.clear();
         plastic_strain.resize(self.strain_lanes(), [0.0; 4]);
-        (*still, *calm, *left_alone, *slept) = (0, Calm::default(), false, 0);
+        (*still, *stillness, *left_alone, *slept) = (0, Stillness::default(), false, 0);
     }
 
     /// Lengths of the springs without force, or metrics of cells that flow.

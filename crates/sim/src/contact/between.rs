@@ -223,8 +223,8 @@ pub(super) fn bodies(search: &mut Search<'_>, p: usize, other: usize) {
     let shares = warm.of_pair(p).any(|row| row.force_n > 0.0);
     meeting.push_feet(rows, contacts, warm.rows());
     if views.iter().all(Option::is_none) && rows.of_pair().len() > 1 {
-        let ease = if shares { EASE } else { bounce::TRACE };
-        (rows.of_pair_mut().iter_mut()).for_each(|row| row.ease = ease);
+        let regularization = if shares { EASE } else { bounce::TRACE };
+        (rows.of_pair_mut().iter_mut()).for_each(|row| row.regularization = regularization);
     }
 }
 

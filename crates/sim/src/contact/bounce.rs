@@ -28,7 +28,7 @@ pub(crate) fn meet(scene: &Scene, rows: &mut [Row]) {
             continue;
         }
         if (row.now_m - row.gap_m) / scene.dt_s > rest_m_s {
-            row.ease = row.ease.min(TRACE);
+            row.regularization = row.regularization.min(TRACE);
         }
         if row.now_m < -most_m {
             row.gap_m -= row.now_m + most_m;
@@ -74,7 +74,7 @@ pub(crate) fn part(scene: &Scene, rows: &mut [Row], matrix: &ContactMatrix, impa
             // Contact closes this gap and so gives that change of speed.
             let parting_m_s = (-impact.meeting_m_s).max(0.0);
             let met_m_s = closing_m_s(row);
-            (row.gap_m, row.ease) = (-(met_m_s + parting_m_s) * dt_s, 0.0);
+            (row.gap_m, row.regularization) = (-(met_m_s + parting_m_s) * dt_s, 0.0);
         }
     }
 }

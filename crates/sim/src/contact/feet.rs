@@ -102,10 +102,10 @@ pub(crate) fn push_foot(
     view: Option<&DeformingView<'_>>,
     way: Way,
     margin: f64,
-    ease: f64,
+    regularization: f64,
 ) {
     let row = Row {
-        ease,
+        regularization,
         ..row(p, pair, key, contact)
     };
     let (row, carried) = way.of(row, &contact.on_tool);
@@ -264,7 +264,7 @@ fn row(p: usize, pair: &Pair, key: RowKey, contact: &Contact) -> Row {
         normal: contact.normal,
         gap_m: -contact.depth_m,
         now_m: -contact.depth_m,
-        ease: 0.0,
+        regularization: 0.0,
         counts_m: match contact.point {
             ToolPoint::Deepest { by_m } => by_m,
             ToolPoint::Found | ToolPoint::Corner | ToolPoint::Round => f64::INFINITY,

@@ -11,10 +11,10 @@
 use super::between::{bodies, itself};
 use super::feet::{MAX_FEET, Way, margin_m, meet, moving, push_foot, push_sample};
 use super::follow::{Follow, Treader, push_feet};
-use super::manifold::{Stance, push_manifold};
+use super::manifold::{Placed, push_manifold};
 use super::search::{PairState, Search};
 use super::warm::WarmRow;
-use super::{bounce, dent, grip, stick};
+use super::{bounce, grip, near_field, stick};
 use crate::haptics::LinkPhase;
 use crate::party::view;
 use crate::rest;
@@ -99,7 +99,7 @@ pub(crate) fn find(search: &mut Search<'_>) {
                     _ => shape(search, p, t),
                 };
                 search.rows.end_pair();
-                dent::touch(search, p, t, &pose);
+                near_field::touch(search, p, t, &pose);
                 continue;
             }
             Holder::Body(other) if other as usize == pair.body => itself(search, p),
@@ -243,14 +243,14 @@ fn ball(search: &mut Search<'_>, p: usize, t: usize, radius_m: f64) {
             return push_plain(rows, p, pair, feet, view.as_ref(), way, margin);
         }
         // From face to face feet keep their numbers.
-        let stance = Stance {
+        let placed = Placed {
             pose: &here,
             size_m: body.size_m,
             side,
             margin_m: margin,
             remembers: false,
         };
-        return push_manifold(rows, p, pair, feet, warm.rows(), parts, &stance, way);
+        return push_manifold(rows, p, pair, feet, warm.rows(), parts, &placed, way);
     };
     let centre = held.centre;
     let look = |point: &Point3| {
@@ -493,7 +493,7 @@ fn shape(search: &mut Search<'_>, p: usize, t: usize) -> Pose {
     let is_part = body.skin.part().is_some();
     if view.is_none() && (edges_known || tool.coupling.turns() || is_part) {
         let side = if proxy.below { -1.0 } else { 1.0 };
-        let stance = Stance {
+        let placed = Placed {
             pose: &pose,
             size_m: body.size_m,
             side,
@@ -507,7 +507,7 @@ fn shape(search: &mut Search<'_>, p: usize, t: usize) -> Pose {
             scratch_pair.set.contacts().iter(),
             warm,
             parts,
-            &stance,
+            &placed,
             way,
         );
         return pose;

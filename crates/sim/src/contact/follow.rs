@@ -87,7 +87,7 @@ pub(super) fn push_feet<'a>(
     let apart =
         |points: &[Point3], x: &Point3, m: f64| points.iter().all(|other| (other - x).norm() > m);
     let push = |number: u32, contact: &Contact, share: f64, rows: &mut RowSet| {
-        let (key, ease) = (RowKey::foot(number as usize), share / (1.0 - share));
+        let (key, regularization) = (RowKey::foot(number as usize), share / (1.0 - share));
         push_foot(
             rows,
             p,
@@ -97,7 +97,7 @@ pub(super) fn push_feet<'a>(
             Some(view),
             way,
             tool.margin_m,
-            ease,
+            regularization,
         );
     };
     for (number, row) in old() {

@@ -19,7 +19,7 @@ use palpate_geometry::math::{Point3, Pose};
 const SAME: f64 = 2e-3;
 
 /// Where the tool stands and how near counts.
-pub(super) struct Stance<'a> {
+pub(super) struct Placed<'a> {
     pub pose: &'a Pose,
     pub size_m: f64,
     /// +1, or −1 below a sheet.
@@ -37,7 +37,7 @@ pub(super) fn push_manifold<'a>(
     found: impl Iterator<Item = &'a Contact>,
     remembered: &[WarmRow],
     parts: &BodyScratch,
-    stance: &Stance<'_>,
+    placed: &Placed<'_>,
     way: Way,
 ) {
     let old = || {
@@ -47,8 +47,8 @@ pub(super) fn push_manifold<'a>(
             _ => None,
         })
     };
-    let apart = |a: &Point3, b: &Point3| (a - b).norm() > SAME * stance.size_m;
-    let place = |row: &WarmRow| stance.pose * Point3::from(row.on_tool);
+    let apart = |a: &Point3, b: &Point3| (a - b).norm() > SAME * placed.size_m;
+    let place = |row: &WarmRow| placed.pose * Point3::from(row.on_tool);
     // Numbers in use, as bits; and those of contacts that are there already.
     let mut used = old().fold(0u64, |used, (number, _)| used | 1 << number);
     let mut taken = 0u64;
@@ -75,13 +75,13 @@ pub(super) fn push_manifold<'a>(
             contact,
             None,
             way,
-            stance.margin_m,
+            placed.margin_m,
             0.0,
         );
         points[count] = contact.on_tool;
         count += 1;
     }
-    for (number, row) in old().filter(|_| stance.remembers) {
+    for (number, row) in old().filter(|_| placed.remembers) {
         let on_tool = place(row);
         if count == MAX_FEET
             || taken >> number & 1 == 1
@@ -96,11 +96,11 @@ pub(super) fn push_manifold<'a>(
             continue;
         };
         let (normal, depth_m) = (
-            foot.normal * stance.side,
-            -foot.signed_distance * stance.side,
+            foot.normal * placed.side,
+            -foot.signed_distance * placed.side,
         );
         // Far off, or no number.
-        let near = depth_m > -stance.size_m;
+        let near = depth_m > -placed.size_m;
         if !near {
             continue;
         }
@@ -123,7 +123,7 @@ pub(super) fn push_manifold<'a>(
             &contact,
             None,
             way,
-            stance.margin_m,
+            placed.margin_m,
             0.0,
         );
         points[count] = on_tool;

@@ -11,7 +11,6 @@
 
 mod between;
 pub(crate) mod bounce;
-pub(crate) mod dent;
 mod face;
 pub(crate) mod feet;
 pub(crate) mod find;
@@ -21,6 +20,7 @@ pub(crate) mod lying;
 mod manifold;
 mod meeting;
 pub(crate) mod near;
+pub(crate) mod near_field;
 mod profile;
 mod search;
 pub(crate) mod stick;

@@ -132,7 +132,9 @@ pub(crate) fn settle(rows: &[Row], solver: &mut Solver) {
     for (i, (row, stick)) in rows.iter().zip(sticks).enumerate() {
         if row.tool().is_none() && row.law.acts_across() {
             // What the row gives way more than its bodies is no way that they go: it stays bent by that.
-            let bent = matrix.block(i, i) * problem.force_n(i) * (row.ease / (1.0 + row.ease));
+            let bent = matrix.block(i, i)
+                * problem.force_n(i)
+                * (row.regularization / (1.0 + row.regularization));
             let crept = match problem.slips(i) {
                 true => Vector3::zeros(),
                 false => problem.displaced_m(i),

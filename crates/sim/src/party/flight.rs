@@ -1,6 +1,6 @@
 //! How a free rigid body moves, and what it gives way.
 
-use crate::body::calm::{BORNE, Calm};
+use crate::body::stillness::{BORNE, Stillness};
 use crate::scene::{Free, Mass};
 use crate::solve::rows::Row;
 use palpate_geometry::math::{Matrix3, Point3, Rotation, Vector3};
@@ -14,7 +14,7 @@ pub struct Flight {
     /// Angular momentum about its centre of mass, kg·m²/s; in the world.
     pub momentum: Vector3,
     /// Since when it stays where it is.
-    calm: Calm,
+    stillness: Stillness,
     /// It lies at rest and neither moves nor is looked at.
     left_alone: bool,
 }
@@ -23,7 +23,7 @@ stateful!(Flight, |this, walk| {
     let Flight {
         velocity_m_s,
         momentum,
-        calm: Calm { from, steps },
+        stillness: Stillness { from, steps },
         left_alone,
     } = this;
     walk.packed("rest of a free body", [(0, steps), (32, left_alone)])?;
@@ -44,7 +44,7 @@ impl Flight {
 
     /// It has been at rest for a while.
     pub(crate) fn lies_calm(&self) -> bool {
-        self.calm.is_long()
+        self.stillness.is_long()
     }
 
     /// It lies at rest and neither moves nor is looked at.
@@ -58,7 +58,7 @@ impl Flight {
         if left_alone {
             (self.velocity_m_s, self.momentum) = Default::default();
         } else {
-            self.calm.steps = 0;
+            self.stillness.steps = 0;
         }
     }
 
@@ -80,8 +80,8 @@ impl Flight {
         let turned = mass.turned(rotation, &momentum, dt_s);
         let gained = (velocity_m_s - self.velocity_m_s).norm()
             + (spin_rad_s - mass.spin(rotation, &self.momentum)).norm() * mass.reach_m;
-        let mut calm = self.calm;
-        calm.count(
+        let mut stillness = self.stillness;
+        stillness.count(
             || {
                 let axes = turned.to_rotation_matrix().into_inner() * mass.reach_m;
                 let axis = |k| axes.column(k).into_owned();
@@ -95,7 +95,7 @@ impl Flight {
         let next = Self {
             velocity_m_s,
             momentum,
-            calm,
+            stillness,
             left_alone: false,
         };
         (place, turned, next)

@@ -206,15 +206,15 @@ fn compliance(balance: &mut Balance<'_>, row: &Row) -> ComplianceExplained {
         let m_per_n = body.gives(&states[b], &bodies[b], row, problem);
         add(format!("body:{}", scene.body_id(b)), m_per_n);
     }
-    let dent = &balance.solver.indentations[row.id.pair as usize];
+    let indentation = &balance.solver.indentations[row.id.pair as usize];
     if !row.id.key.is_anchor() {
         add(
             "near_field".to_owned(),
-            dent.slope_m_n * row.normal.dot(&dent.normal).powi(2),
+            indentation.slope_m_n * row.normal.dot(&indentation.normal).powi(2),
         );
     }
     let sum: f64 = by_party.values().sum();
-    let eased = sum * row.ease;
+    let eased = sum * row.regularization;
     if eased != 0.0 {
         by_party.insert("ease".to_owned(), eased);
     }

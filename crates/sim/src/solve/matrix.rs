@@ -128,7 +128,7 @@ impl ContactMatrix {
     }
 
     /// Lets a row give way under its own force by this share more.
-    pub fn ease(&mut self, i: usize, share: f64) {
+    pub fn regularize(&mut self, i: usize, share: f64) {
         let (size, span) = (self.size(), self.span(i));
         for a in span.clone() {
             for own in &mut self.entries[a * size..][span.clone()] {
@@ -234,7 +234,9 @@ mod tests {
                     matrix.add_isotropic(i, j, 0.5);
                 }
             }
-            matrices.iter_mut().for_each(|matrix| matrix.ease(i, 0.1));
+            matrices
+                .iter_mut()
+                .for_each(|matrix| matrix.regularize(i, 0.1));
         }
         let [smooth, whole, _] = &matrices;
         for matrix in &matrices {

@@ -48,7 +48,7 @@ pub struct Row {
     /// Gap before it, m.
     pub now_m: f64,
     /// Added to its own compliance, relative to it: how much others carry in its stead.
-    pub ease: f64,
+    pub regularization: f64,
     /// Most that it counts as deep where rows share a force that balance does not, m: what it is deeper than the
     /// rows beside it, which stand for the rest.
     pub counts_m: f64,

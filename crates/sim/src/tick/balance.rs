@@ -6,7 +6,7 @@
 //! normals push bodies. Of rows without friction only what their normals see of it counts.
 
 use crate::contact::warm::{Warm, WarmRow};
-use crate::contact::{bounce, dent, stick};
+use crate::contact::{bounce, near_field, stick};
 use crate::party::{BodyScratch, BodyState, Party as _, Problem, ToolScratch, ToolState};
 use crate::scene::Scene;
 use crate::solve::direct::{Change, Coupled};
@@ -69,7 +69,7 @@ impl Balance<'_> {
         for (b, body) in scene.parties().enumerate() {
             body.respond(&self.states[b], &bodies[b], problem);
         }
-        dent::settle(self.rows, self.solver);
+        near_field::settle(self.rows, self.solver);
         let Solver {
             matrix, impacts, ..
         } = &mut *self.solver;
@@ -80,7 +80,7 @@ impl Balance<'_> {
             let old = self.warm.of_row(row.id).copied().unwrap_or_default();
             let (law, warm_n) = (self.law(&row, &old), (old.force_n, old.tangent_n));
             match row.tool() {
-                Some(_) => self.solver.matrix.ease(i, row.ease),
+                Some(_) => self.solver.matrix.regularize(i, row.regularization),
                 None => self.ease_of_bodies(i),
             }
             (self.solver.problem).push(&row.normal, row.law.acts_across(), law, warm_n);
@@ -94,14 +94,14 @@ impl Balance<'_> {
         let row = &self.rows.rows[i];
         let heaviest_kg = giving(self.scene, row).map(|party| self.solver.heaviest_kg[party]);
         let heaviest_kg = heaviest_kg.fold(0.0, f64::max);
-        if row.ease == 0.0 || heaviest_kg == 0.0 {
+        if row.regularization == 0.0 || heaviest_kg == 0.0 {
             return;
         }
         let of_heaviest_m_n = self.scene.dt_s * self.scene.dt_s / heaviest_kg;
         let share = of_heaviest_m_n / self.solver.matrix.along(i);
-        let ease = row.ease * share.min(1.0);
-        self.rows.rows[i].ease = ease;
-        self.solver.matrix.ease(i, ease);
+        let regularization = row.regularization * share.min(1.0);
+        self.rows.rows[i].regularization = regularization;
+        self.solver.matrix.regularize(i, regularization);
     }
 
     /// How often a solve goes over its rows. They start with the forces of the last tick: under lower
@@ -163,7 +163,7 @@ impl Balance<'_> {
             let moves = giving(scene, row).any(|party| heaviest_kg[party] > 0.0);
             let free = |party: usize| scene.bodies.get(party).is_some_and(|b| b.free().is_some());
             let own = match giving(scene, row).all(free) {
-                true => row.ease / (1.0 + row.ease),
+                true => row.regularization / (1.0 + row.regularization),
                 false => 0.0,
             };
             match moves {

@@ -76,7 +76,10 @@ pub(super) fn of_rows(scene: &Scene, tools: &[ToolState], rows: &RowSet) {
             "a normal of length {}",
             row.normal.norm()
         );
-        debug_assert!(at_least(row.ease, 0.0), "a row stiffer than its parties");
+        debug_assert!(
+            at_least(row.regularization, 0.0),
+            "a row stiffer than its parties"
+        );
         debug_assert!(at_least(row.counts_m, 0.0), "a row that counts as outside");
         let weights = |body: &Body, range: Range| {
             let (controls, weights) = rows.weights_in(range);

@@ -4,7 +4,7 @@ use super::record::{Command, TickInput, TickOutput};
 use super::{
     RunState, SceneState, Scratch, admit, arrive, flags, invariants, iterate, motion, quality,
 };
-use crate::contact::{PairState, Search, dent, find, grip, near};
+use crate::contact::{PairState, Search, find, grip, near, near_field};
 use crate::party::{Around, Party as _};
 use crate::report::explain::{self, Explanation};
 use crate::report::{degraded, error, outputs};
@@ -229,7 +229,7 @@ fn report(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, output: 
     error::report(errors, tools, tool_parts, output);
     degraded::mark(scene, tools, bodies, &rows.rows, solver, degraded, output);
     outputs::remember(scene, warm, bodies, rows, solver, rest);
-    dent::remember(rows, solver, pairs);
+    near_field::remember(rows, solver, pairs);
 }
 
 fn balance<'a>(scene: &'a Scene, state: &'a SceneState, scratch: &'a mut Scratch) -> Balance<'a> {

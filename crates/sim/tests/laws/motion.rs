@@ -556,7 +556,7 @@ fn a_teardrop_that_was_hit_goes_on_with_the_tangent() {
         };
         let z = 0.045 + 5e-3 * libm::sin(0.6 * PI * t);
         world.at([x, 0.003, z]);
-        bounding += u32::from(body(&world).caution.level == 2);
+        bounding += u32::from(body(&world).convergence.level == 2);
     }
     // A hit may take it there for a moment, not for good.
     assert!(bounding < 300, "{bounding} of 2,000 ticks after the hit");

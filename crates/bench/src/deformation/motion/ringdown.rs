@@ -158,7 +158,7 @@ fn ours(case: &str, beam: &Strip, setting: Setting, exact: &Exact) -> Row {
         while tips_m.len() < exact.tips_m.len() {
             world.at([0.0, 0.0, 10.0]);
             let state = world.body()?.1;
-            cautious += usize::from(state.caution.level > 0);
+            cautious += usize::from(state.convergence.level > 0);
             tips_m.push(tip.height_m(state, &rest));
         }
         let (body, _) = world.body()?;

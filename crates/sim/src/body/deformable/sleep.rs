@@ -1,11 +1,11 @@
 //! When a body falls asleep.
 
 use super::Deformable;
-use crate::body::calm::{BORNE, STILL_STEPS};
 use crate::body::matter::Matter;
 use crate::body::scratch::DeformableScratch;
 use crate::body::state::DeformableState;
 use crate::body::stepper::Stepper;
+use crate::body::stillness::{BORNE, STILL_STEPS};
 use palpate_geometry::math::Vector3;
 
 impl Deformable {
@@ -28,12 +28,12 @@ impl Deformable {
             false => 0,
         };
         if busy || !touched {
-            state.calm.steps = 0;
+            state.stillness.steps = 0;
         } else {
             let Matter { rest, settings, .. } = &self.matter;
             let (sleep_m_s, dt_s) = (settings.sleep_m_s, settings.dt_s);
             let here = || self.outline.moments(rest, &state.positions);
-            (state.calm).count(here, fastest.sqrt(), balanced, sleep_m_s, dt_s);
+            (state.stillness).count(here, fastest.sqrt(), balanced, sleep_m_s, dt_s);
         }
         if state.still == STILL_STEPS {
             state.velocities.fill(Vector3::zeros());

@@ -123,18 +123,18 @@ impl MaterialLaw {
         }
     }
 
-    /// Edges of the Laplacian that springs drawn to a tautness, 1 − rest length / length, have out of
+    /// Edges of the Laplacian that springs drawn to a tension, 1 − rest length / length, have out of
     /// plane.
-    pub(in crate::body) fn taut_edges(&self, taut: f64) -> Vec<Edge> {
+    pub(in crate::body) fn tension_edges(&self, tension: f64) -> Vec<Edge> {
         let each = self.springs.each();
-        each.map(|(_, _, a, b, k)| (a as u32, b as u32, k * self.slope * taut))
+        each.map(|(_, _, a, b, k)| (a as u32, b as u32, k * self.slope * tension))
             .collect()
     }
 
     /// How taut the tautest spring is at `places` (nodes): 1 − rest length / length, 0 where none is
     /// drawn.
-    pub(in crate::body) fn tautness(&self, rest: &[Lane], places: &[Lane]) -> f64 {
-        self.springs.tautness(rest, places)
+    pub(in crate::body) fn tension(&self, rest: &[Lane], places: &[Lane]) -> f64 {
+        self.springs.tension(rest, places)
     }
 
     /// True for solids, whose tangent at rest resists every motion but rigid ones. Rows of a

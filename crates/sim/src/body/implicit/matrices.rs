@@ -145,9 +145,9 @@ fn of_lattice(
 
 /// The tangent of rest with each tension.
 fn of_sheet(matter: &Matter, plain: &BlockTriplets) -> Vec<BlockTriplets> {
-    let drawn = TAUT.map(|taut| {
+    let drawn = TAUT.map(|tension| {
         let mut matrix = plain.clone();
-        tangent::add_edges(matter, &matter.law.taut_edges(taut), &mut matrix);
+        tangent::add_edges(matter, &matter.law.tension_edges(tension), &mut matrix);
         matrix
     });
     drawn.into()

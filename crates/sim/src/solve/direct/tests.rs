@@ -56,7 +56,7 @@ impl Tower {
                 }
             }
         }
-        (0..rows).for_each(|row| matrix.ease(row, EASE));
+        (0..rows).for_each(|row| matrix.regularize(row, EASE));
         Self {
             matrix,
             motions,

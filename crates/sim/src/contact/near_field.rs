@@ -166,15 +166,15 @@ pub(crate) fn settle(rows: &mut RowSet, solver: &mut Solver) {
         let Some(deepest) = pushing.min_by(|&i, &j| rows[i].gap_m.total_cmp(&rows[j].gap_m)) else {
             continue;
         };
-        let dent = touches[*p].indentation(-rows[deepest].gap_m, matrix.along(deepest));
-        indentations[*p] = dent;
+        let indentation = touches[*p].indentation(-rows[deepest].gap_m, matrix.along(deepest));
+        indentations[*p] = indentation;
         for row in rows[own.clone()].iter_mut().filter(|row| pushes(row)) {
-            row.gap_m += dent.offset_m * row.normal.dot(&dent.normal);
+            row.gap_m += indentation.offset_m * row.normal.dot(&indentation.normal);
         }
-        if dent.slope_m_n == 0.0 {
+        if indentation.slope_m_n == 0.0 {
             continue;
         }
-        let block = dent.block_m_n();
+        let block = indentation.block_m_n();
         for i in own.clone().filter(|&i| pushes(&rows[i])) {
             for j in (own.start..=i).filter(|&j| pushes(&rows[j])) {
                 matrix.add(i, j, &block);
@@ -240,16 +240,17 @@ pub(crate) fn remember(rows: &RowSet, solver: &Solver, pairs: &mut [PairState]) 
         }
     }
     for (p, own) in &solver.touching {
-        let (pair, dent) = (&mut pairs[*p], &solver.indentations[*p]);
+        let (pair, indentation) = (&mut pairs[*p], &solver.indentations[*p]);
         let along = |i: usize| {
-            solver.force_n(i).dot(&rows.rows[i].normal) * rows.rows[i].normal.dot(&dent.normal)
+            solver.force_n(i).dot(&rows.rows[i].normal)
+                * rows.rows[i].normal.dot(&indentation.normal)
         };
         let pushing = || own.clone().filter(|&i| pushes(&rows.rows[i]));
         let force_n: f64 = pushing().map(along).sum();
         let whole_n: Vector3 = pushing().map(|i| solver.force_n(i)).sum();
-        let across_n = whole_n - dent.normal * whole_n.dot(&dent.normal);
-        pair.drawn_m = solver.touches[*p].left_m() - across_n * dent.across_m_n;
-        pair.sunk_m = dent.offset_m + dent.slope_m_n * force_n;
+        let across_n = whole_n - indentation.normal * whole_n.dot(&indentation.normal);
+        pair.drawn_m = solver.touches[*p].left_m() - across_n * indentation.across_m_n;
+        pair.sunk_m = indentation.offset_m + indentation.slope_m_n * force_n;
         pair.less_m += EASE * (solver.touches[*p].less_under_m(force_n) - pair.less_m);
     }
 }

@@ -10,7 +10,7 @@ pub(super) const BOUNDING: u32 = 2;
 
 /// How corrections went so far: whether the tangent of rest can follow the body.
 #[derive(Debug, Default, PartialEq)]
-pub struct Caution {
+pub struct Convergence {
     /// (unknowns): last correction, m, and how often in a row it has turned over.
     pub corrections: Vec<Lane>,
     /// Which matrix: the tangent of rest, the firmer one, the bounding one.
@@ -21,14 +21,14 @@ pub struct Caution {
     pub next: u32,
 }
 
-clone_in_place!(Caution {
+clone_in_place!(Convergence {
     corrections,
     level,
     steps,
     next
 });
 
-impl Caution {
+impl Convergence {
     /// That of a body at rest; a body without a tangent, or with pressures, needs none.
     pub(super) fn set_to_rest(&mut self) {
         self.corrections.fill([0.0; 4]);

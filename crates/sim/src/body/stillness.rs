@@ -63,14 +63,14 @@ impl Outline {
 
 /// Since when a body stays where it is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Calm {
+pub struct Stillness {
     /// Where it was at the first of these steps: centre and axes, m.
     pub from: Moments,
     /// Body steps in a row, or [`LONG`] once a hundred of them have ended with forces in balance.
     pub steps: u32,
 }
 
-impl Calm {
+impl Stillness {
     /// It has stayed for long enough to be left alone.
     pub fn is_long(&self) -> bool {
         self.steps >= LONG
@@ -131,11 +131,11 @@ mod tests {
     ) -> u32 {
         let rest = cloud();
         let outline = Outline::new(&rest);
-        let mut calm = Calm::default();
+        let mut stillness = Stillness::default();
         for k in 0..steps {
             let t = f64::from(k) * 1e-3;
             let now: Vec<_> = (0..rest.len()).map(|i| motion(t, &rest[i], i)).collect();
-            calm.count(
+            stillness.count(
                 || outline.moments(&rest, &now),
                 fastest,
                 balanced,
@@ -143,7 +143,7 @@ mod tests {
                 1e-3,
             );
         }
-        calm.steps
+        stillness.steps
     }
 
     #[test]
