@@ -88,13 +88,13 @@ pub fn grants(role: &Role, instance: &str) -> Result<Vec<Grant>, AuthError> {
     let mut asked: Vec<&str> = asked.iter().map(String::as_str).collect();
     // An answer has the key of its question.
     asked.push(INFO_EVERYWHERE);
-    let reported = asked.clone();
+    let answered = asked.clone();
     let mut grants = vec![
         Grant::new(Flow::In, &["declare_subscriber"], &[&all]),
         Grant::new(Flow::In, &["query"], &asked),
         Grant::new(Flow::In, TOKENS_HEARD, &[&live, LIVE_EVERYWHERE]),
         Grant::new(Flow::Out, &["put"], &[&all]),
-        Grant::new(Flow::Out, &["reply", "declare_queryable"], &reported),
+        Grant::new(Flow::Out, &["reply", "declare_queryable"], &answered),
         Grant::new(Flow::Out, &["liveliness_token"], &[&live]),
         Grant::new(Flow::Out, TOKENS_HEARD, &[&live, LIVE_EVERYWHERE]),
     ];

@@ -288,8 +288,7 @@ fn hands(
                 None
             }
             Some(name) => {
-                let reported =
-                    |error: palpate_client::device::DeviceError| wrong(error.to_string());
+                let refused = |error: palpate_client::device::DeviceError| wrong(error.to_string());
                 let model = match is_file(name) {
                     true => DeviceModel::from_toml(&read(name)?, name),
                     false => DeviceModel::preset(name),
@@ -299,11 +298,11 @@ fn hands(
                     true => Hand::from_toml(&read(named)?, named),
                     false => Hand::preset(named),
                 }
-                .map_err(reported)?;
+                .map_err(refused)?;
                 if let Some(tremor_m) = spec.tremor_m {
-                    hand = Hand { tremor_m, ..hand }.checked().map_err(reported)?;
+                    hand = Hand { tremor_m, ..hand }.checked().map_err(refused)?;
                 }
-                Some((model.map_err(reported)?, hand))
+                Some((model.map_err(refused)?, hand))
             }
         };
         if spec.depth_m.is_nan() || spec.depth_m.abs() > 1.0 {

@@ -97,11 +97,11 @@ impl<'p> Player<'p> {
             self.prepared = Some((case.sample, prepare(self.plan, case)));
         }
         let Some((_, Ok(prepared))) = &mut self.prepared else {
-            let reported = match &self.prepared {
-                Some((_, Err(reported))) => reported.clone(),
+            let reason = match &self.prepared {
+                Some((_, Err(reason))) => reason.clone(),
                 _ => String::new(),
             };
-            return (Outcome::failed(reported, String::new()), false);
+            return (Outcome::failed(reason, String::new()), false);
         };
         let hands = &self.plan.motions[case.motion].1;
         let key = key(prepared, hands, case.seed, self.plan.for_s);
@@ -211,8 +211,8 @@ impl Hands {
         for (tool, plan) in plans {
             let index = (scene.tool_index(tool))
                 .ok_or_else(|| format!("the scene has no tool {tool:?}"))?;
-            let reported = |error: &dyn std::fmt::Display| format!("hands.{tool}: {error}");
-            let motion = aimed(plan, &snapshot, tool).map_err(|error| reported(&error))?;
+            let refused = |error: &dyn std::fmt::Display| format!("hands.{tool}: {error}");
+            let motion = aimed(plan, &snapshot, tool).map_err(|error| refused(&error))?;
             let spec = &plan.spec;
             let mut device = None;
             if let Some((model, hand)) = &plan.device {
@@ -233,7 +233,7 @@ impl Hands {
                 let start = motion.goal(0.0).position;
                 device = Some(Box::new((
                     SimulatedDevice::new(model.clone(), hand.clone(), start, seed),
-                    servo.map_err(|error| reported(&error))?,
+                    servo.map_err(|error| refused(&error))?,
                 )));
             }
             hands.list.push(HandAtWork {

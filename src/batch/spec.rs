@@ -312,7 +312,7 @@ mod tests {
 
     #[test]
     fn what_has_no_values_is_refused_with_what_would_do() {
-        for (text, random, reported) in [
+        for (text, random, expected) in [
             ("[]", false, "no values"),
             ("3.0", false, "[set]"),
             ("{ from = 1, to = 2 }", false, "count"),
@@ -329,7 +329,7 @@ mod tests {
             ("{ from = 1, to = 2, step = 3 }", false, "step"),
         ] {
             let error = varied(text, random).unwrap_err();
-            assert!(error.contains(reported), "{text}: {error}");
+            assert!(error.contains(expected), "{text}: {error}");
         }
     }
 }

@@ -40,7 +40,7 @@ impl AccessArgs {
 }
 
 /// Says where others may come in, and lists it.
-pub fn reported(open: Open) -> Vec<String> {
+pub fn announce(open: Open) -> Vec<String> {
     let Open {
         mut everybody,
         others,

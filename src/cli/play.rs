@@ -109,7 +109,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         })?;
         open.everybody
             .extend(args.page.everybody(args.access.insecure)?);
-        let open = super::access::reported(open);
+        let open = super::access::announce(open);
         let (mut viewer, feed) = args
             .page
             .start(&args.instance, &scene, &bus_session, true, &open)?

@@ -279,7 +279,7 @@ pub fn serve(
     })?;
     open.everybody
         .extend(common.page.everybody(common.access.insecure)?);
-    let open = super::access::reported(open);
+    let open = super::access::announce(open);
     if may_meet_others {
         let keys = Keys::new(&common.instance)?;
         if let Some(other) = daemon_of(&session, &keys, LOOK_FOR_OTHERS)? {

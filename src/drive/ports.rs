@@ -43,9 +43,9 @@ pub struct CommandRequest {
     pub command: Command,
 }
 
-/// What a tick says, and by tool whose pose it took last.
+/// What a tick publishes, and by tool whose pose it took last.
 #[derive(Clone, Debug)]
-pub struct Told {
+pub struct Published {
     /// Its forces.
     pub output: TickOutput,
     /// Who sent the poses that they answer; of no one before the first.
@@ -143,7 +143,7 @@ pub struct TickPorts {
     /// Scenes to go on with, and those that were left.
     pub(super) swaps: rtrb::Consumer<Box<Swap>>,
     pub(super) retired: rtrb::Producer<Box<Swap>>,
-    outputs: Outbox<Told>,
+    outputs: Outbox<Published>,
     records: Outbox<TickRecord>,
     pub(super) nets: NetPort,
     pub(super) counters: Arc<LoopCounters>,
@@ -164,7 +164,7 @@ pub struct BusPorts {
     /// The scene before it, from the tick.
     pub retired: rtrb::Consumer<Box<Swap>>,
     /// Forces, as soon as they are known.
-    pub outputs: rtrb::Consumer<Arc<Told>>,
+    pub outputs: rtrb::Consumer<Arc<Published>>,
     /// Ticks, when they are done.
     pub records: rtrb::Consumer<Arc<TickRecord>>,
     /// By body.
@@ -243,7 +243,7 @@ pub fn ports(scene: &Scene) -> (TickPorts, BusPorts) {
     let (receipt_in, receipt_out) = rtrb::RingBuffer::new(64);
     let record = TickRecord::for_tools(scene.tool_count());
     let senders = vec![SenderId::default(); scene.tool_count()];
-    let (output_in, output_out) = Outbox::new(&Told {
+    let (output_in, output_out) = Outbox::new(&Published {
         output: record.output.clone(),
         senders: senders.clone(),
     });
@@ -321,9 +321,9 @@ impl TickPorts {
     /// The force is known: tell the bus.
     pub fn publish(&mut self, output: &TickOutput) {
         let senders = &self.senders;
-        let sent = self.outputs.send(|reported| {
-            reported.output.clone_from(output);
-            reported.senders.clone_from(senders);
+        let sent = self.outputs.send(|published| {
+            published.output.clone_from(output);
+            published.senders.clone_from(senders);
         });
         if !sent {
             self.counters.bus_drops.fetch_add(1, Ordering::Relaxed);

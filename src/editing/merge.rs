@@ -63,8 +63,8 @@ pub(super) fn merge(
     palpate_proto::keys::check_id(&id).map_err(|e| e.to_string())?;
     let change =
         SceneChange::merged(scene, bodies, &id, &merged.surface).map_err(|e| e.to_string())?;
-    let reported = merged.report(surfaces);
-    let seams: Vec<serde_json::Value> = reported
+    let found = merged.report(surfaces);
+    let seams: Vec<serde_json::Value> = found
         .seams
         .iter()
         .map(|(_, continuity)| json!(continuity))
@@ -73,7 +73,7 @@ pub(super) fn merge(
     let hidden = merged.hide_by.map(HideBy::name);
     let net = merged.surface.net();
     let report = json!({
-        "id": id, "net": [net.rows(), net.columns()], "deviation": reported.deviation, "seams": seams, "before": reported.before,
+        "id": id, "net": [net.rows(), net.columns()], "deviation": found.deviation, "seams": seams, "before": found.before,
         "hidden": hidden, "readings": readings,
     });
     let what = format!("merged {} into {id} with C{continuity}", names.join(", "));

@@ -116,9 +116,9 @@ impl Host {
     /// What the bus thread does in a turn: the newest force, if there is one.
     pub fn bus(&mut self) -> Option<ToolForce> {
         let mut newest = None;
-        while let Ok(reported) = self.bus.outputs.pop() {
+        while let Ok(published) = self.bus.outputs.pop() {
             self.rate.tick(now());
-            newest = Some(reported);
+            newest = Some(published);
         }
         while self.bus.records.pop().is_ok() {}
         while self.bus.receipts.pop().is_ok() {}
@@ -126,8 +126,8 @@ impl Host {
             net.newest();
         }
         let _ = self.rate.look(now());
-        let reported = newest?;
-        let output = &reported.output;
+        let newest = newest?;
+        let output = &newest.output;
         let out = &output.tools[0];
         if out.pose_seq == 0 {
             return None;
@@ -160,7 +160,7 @@ impl Host {
     }
 
     /// A device describes itself.
-    pub fn reported(&mut self, model: &DeviceModel) {
+    pub fn described(&mut self, model: &DeviceModel) {
         let bounds = wire::device_bounds(&self.scene, 0, &model.info(0.0));
         self.bind(bounds);
     }

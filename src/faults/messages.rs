@@ -25,9 +25,9 @@ const HEAD: usize = 2;
 /// A tick, ns.
 const TICK_NS: u64 = 1_000_000;
 
-/// What a sequence of messages came to.
+/// What became of a sequence of messages.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Told {
+pub struct Counts {
     /// Ticks.
     pub ticks: u64,
     /// Messages that the loop took.
@@ -49,7 +49,7 @@ pub struct Told {
 /// # Errors
 /// What must not happen at any tick: a fault, a force beyond its limit or after its time, a point of a
 /// body far from the scene.
-pub fn messages(bytes: &[u8]) -> Result<Told, String> {
+pub fn messages(bytes: &[u8]) -> Result<Counts, String> {
     set_now(0);
     let (first, mut rest) = bytes.split_first().unwrap_or((&0, &[]));
     let (_, scene) = world::scene(usize::from(*first) % SCENES.len())?;
@@ -60,14 +60,14 @@ pub fn messages(bytes: &[u8]) -> Result<Told, String> {
         rest = after;
         let (what, who, ticks) = (head & 7, (head >> 3) & 3, 1 << (head >> 5));
         match stepped.message(what, who, content) {
-            true => stepped.reported.taken += 1,
-            false => stepped.reported.dropped += 1,
+            true => stepped.counts.taken += 1,
+            false => stepped.counts.dropped += 1,
         }
-        if !stepped.ticks(ticks)? || stepped.reported.ticks >= MOST_TICKS {
+        if !stepped.ticks(ticks)? || stepped.counts.ticks >= MOST_TICKS {
             break;
         }
     }
-    Ok(stepped.reported)
+    Ok(stepped.counts)
 }
 
 /// A sequence for [`messages`], of what each message is, who sends it, how long the loop runs after it
@@ -90,7 +90,7 @@ struct Stepped {
     bus: BusPorts,
     check: LoopCheck,
     seq: u64,
-    reported: Told,
+    counts: Counts,
 }
 
 impl Stepped {
@@ -108,7 +108,7 @@ impl Stepped {
             bus,
             scene,
             seq: 0,
-            reported: Told::default(),
+            counts: Counts::default(),
         }
     }
 
@@ -181,8 +181,8 @@ impl Stepped {
                 return Ok(false);
             }
             let record = self.driver.record();
-            self.reported.ticks += 1;
-            self.reported.state_hash = record.output.state_hash;
+            self.counts.ticks += 1;
+            self.counts.state_hash = record.output.state_hash;
             self.check.tick(&self.scene, self.driver.state(), record)?;
             while self.bus.outputs.pop().is_ok() {}
             while self.bus.records.pop().is_ok() {}

@@ -21,7 +21,7 @@ mod messages;
 mod plan;
 mod world;
 
-pub use messages::{Told, messages, sequence};
+pub use messages::{Counts, messages, sequence};
 pub use plan::{Fault, Plan};
 pub use world::{Report, run};
 

@@ -63,7 +63,7 @@ enum Event {
 #[derive(Clone, Copy, Debug)]
 enum Packet {
     Pose(ToolPose, SenderId),
-    Told(u64),
+    Describes(u64),
     Gone,
 }
 
@@ -101,13 +101,13 @@ struct World<'w> {
 pub fn run(seed: u64, folder: &Path) -> Result<Report, Violation> {
     set_now(0);
     let plan = Plan::of(seed);
-    let reported = |what: String| Violation {
+    let violation = |what: String| Violation {
         seed,
         at_s: now_ns() as f64 * 1e-9,
         what,
     };
-    let mut world = World::new(&plan, folder).map_err(reported)?;
-    world.run().map_err(reported)?;
+    let mut world = World::new(&plan, folder).map_err(violation)?;
+    world.run().map_err(violation)?;
     Ok(world.report)
 }
 
@@ -257,7 +257,10 @@ impl<'w> World<'w> {
         self.host = Some(host);
         // Its client notices, and says again what its device can do.
         let takes_ns = self.random.below(20 * MS as usize) as u64;
-        self.at(now + takes_ns, Event::ToHost(Packet::Told(self.clients)));
+        self.at(
+            now + takes_ns,
+            Event::ToHost(Packet::Describes(self.clients)),
+        );
         Ok(())
     }
 
@@ -271,7 +274,7 @@ impl<'w> World<'w> {
         self.at(client.due_ns() + self.plan.phases_ns[0], Event::Period(of));
         self.client = Some(client);
         let takes_ns = self.random.below(20 * MS as usize) as u64;
-        self.at(now + takes_ns, Event::ToHost(Packet::Told(of)));
+        self.at(now + takes_ns, Event::ToHost(Packet::Describes(of)));
         Ok(())
     }
 
@@ -368,10 +371,10 @@ impl<'w> World<'w> {
         };
         match packet {
             Packet::Pose(pose, sender) => host.pose(&pose, sender),
-            Packet::Told(of) if of == self.clients && self.client.is_some() => {
-                host.reported(&self.plan.model);
+            Packet::Describes(of) if of == self.clients && self.client.is_some() => {
+                host.described(&self.plan.model);
             }
-            Packet::Told(_) => {}
+            Packet::Describes(_) => {}
             Packet::Gone => host.gone(),
         }
     }

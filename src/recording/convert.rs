@@ -279,7 +279,7 @@ fn level(tick: u64, level: u32) -> Result<u8, ConvertError> {
 }
 
 fn bounds(command: &pb::Command) -> Result<DeviceBounds, ConvertError> {
-    let reported = match command.bounds[..] {
+    let found = match command.bounds[..] {
         [force_max_n, torque_max_nm, stiffness_max_n_m] => DeviceBounds {
             force_max_n,
             torque_max_nm,
@@ -288,7 +288,7 @@ fn bounds(command: &pb::Command) -> Result<DeviceBounds, ConvertError> {
         .checked(),
         _ => None,
     };
-    reported.ok_or_else(|| {
+    found.ok_or_else(|| {
         let what = format!("{:?} are not valid device bounds", command.bounds);
         ConvertError {
             tick: command.after_tick,
@@ -486,14 +486,14 @@ mod tests {
             torque_max_nm: 0.0,
             stiffness_max_n_m: f64::INFINITY,
         };
-        let reported = Command::Device { tool: 2, bounds };
+        let device = Command::Device { tool: 2, bounds };
         for command in [
             Command::Reset,
             Command::Step(7),
             Command::Stop,
             Command::Quality(3),
             Command::PutOff { body: 2 },
-            reported,
+            device,
             Command::Send {
                 body: 3,
                 position: Point3::new(0.1, -0.2, 1.0 / 3.0),

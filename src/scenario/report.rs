@@ -50,7 +50,7 @@ pub struct Claimed {
     pub says: String,
     /// `None`: not all of its runs were run.
     pub holds: Option<bool>,
-    /// It is reported, and is no bar.
+    /// Printed for information: nothing has to meet it.
     pub reported: bool,
 }
 

@@ -5,7 +5,7 @@ use super::devices::Devices;
 use super::events::server_ns;
 use super::rate::{RateNews, RateWatch};
 use super::view::View;
-use crate::drive::ports::{PoseInbox, SenderId, Told};
+use crate::drive::ports::{PoseInbox, Published, SenderId};
 use crate::wire;
 use palpate_client::publisher;
 use palpate_proto::codec::encode;
@@ -22,7 +22,7 @@ use zenoh::pubsub::Publisher;
 
 /// The newest output of the loop, and where its parts for tools go.
 pub(super) struct Forces {
-    outputs: rtrb::Consumer<Arc<Told>>,
+    outputs: rtrb::Consumer<Arc<Published>>,
     newest: TickOutput,
     /// By tool: whose pose the newest force answers.
     senders: Vec<SenderId>,
@@ -51,7 +51,7 @@ struct ToolLine {
     /// Forces that were not published while someone moved the tool, because newer ones were there.
     overtaken: u64,
     /// What the bus and pages got last was of a pose.
-    reported: bool,
+    had_pose: bool,
     shown: bool,
     client: Arc<ClientLink>,
 }
@@ -69,9 +69,9 @@ pub struct ForceCounts {
 
 /// Whether a tool's force is published: while there is a pose, and once more when a reset has taken it away, or
 /// everybody would keep the last force.
-fn is_told(reported: &mut bool, out: &ToolOutput) -> bool {
+fn is_due(had_pose: &mut bool, out: &ToolOutput) -> bool {
     let here = out.pose_seq > 0;
-    std::mem::replace(reported, here) || here
+    std::mem::replace(had_pose, here) || here
 }
 
 impl Forces {
@@ -80,7 +80,7 @@ impl Forces {
         session: &zenoh::Session,
         keys: &Keys,
         scene: &Scene,
-        outputs: rtrb::Consumer<Arc<Told>>,
+        outputs: rtrb::Consumer<Arc<Published>>,
         poses: &[Arc<PoseInbox>],
         clients: &[Arc<ClientLink>],
         every: bool,
@@ -95,7 +95,7 @@ impl Forces {
                 contact: publisher::<ToolContact>(session, keys.tool_contact(id))?,
                 contact_wanted: false,
                 overtaken: 0,
-                reported: false,
+                had_pose: false,
                 shown: false,
                 client: clients[tool].clone(),
             })
@@ -119,16 +119,16 @@ impl Forces {
         self.outputs
             .peek()
             .ok()
-            .map(|reported| reported.output.tick)
+            .map(|published| published.output.tick)
     }
 
     /// Takes the next output and publishes what it says of tools; false if a newer one waits that
     /// makes it needless.
     pub(super) fn publish_next(&mut self, scene: &Scene, devices: &mut Devices) -> bool {
-        let Ok(reported) = self.outputs.pop() else {
+        let Ok(published) = self.outputs.pop() else {
             return false;
         };
-        let output = &reported.output;
+        let output = &published.output;
         if !self.every {
             self.rate.tick(Instant::now());
         }
@@ -144,7 +144,7 @@ impl Forces {
             return false;
         }
         self.newest.clone_from(output);
-        self.senders.clone_from(&reported.senders);
+        self.senders.clone_from(&published.senders);
         for tool in 0..self.tools.len() {
             self.put_tool(tool, scene, devices);
         }
@@ -153,7 +153,7 @@ impl Forces {
 
     fn put_tool(&mut self, tool: usize, scene: &Scene, devices: &mut Devices) {
         let (tick, out) = (self.newest.tick, self.newest.tools[tool]);
-        if !is_told(&mut self.tools[tool].reported, &out) {
+        if !is_due(&mut self.tools[tool].had_pose, &out) {
             return;
         }
         if self.every || devices.wants(tool, tick, &out) || out.pose_seq == 0 {
@@ -180,7 +180,7 @@ impl Forces {
         self.shown = self.newest.tick;
         for tool in 0..self.tools.len() {
             let out = &self.newest.tools[tool];
-            if !is_told(&mut self.tools[tool].shown, out) {
+            if !is_due(&mut self.tools[tool].shown, out) {
                 continue;
             }
             let force = wire::tool_force(self.newest.tick, server_ns(), out);

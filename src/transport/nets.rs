@@ -54,10 +54,10 @@ impl Line {
     fn new(session: &zenoh::Session, key: String) -> zenoh::Result<Self> {
         let publisher = publisher::<ControlNet>(session, key)?;
         let wanted = Arc::new(AtomicBool::new(false));
-        let reported = wanted.clone();
+        let found = wanted.clone();
         let listener = publisher
             .matching_listener()
-            .callback(move |status| reported.store(status.matching(), Ordering::Release))
+            .callback(move |status| found.store(status.matching(), Ordering::Release))
             .wait()?;
         if publisher.matching_status().wait()?.matching() {
             wanted.store(true, Ordering::Release);

@@ -120,8 +120,8 @@ pub fn default_listen(
             reason,
         })?,
     };
-    let reported = !listen.is_empty() || !connect.is_empty() || named.listen || named.connect;
-    Ok(match reported {
+    let configured = !listen.is_empty() || !connect.is_empty() || named.listen || named.connect;
+    Ok(match configured {
         true => listen.to_vec(),
         false if secure => vec![DEFAULT_SECURE_ENDPOINT.to_owned()],
         false => vec![DEFAULT_ENDPOINT.to_owned()],

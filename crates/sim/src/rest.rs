@@ -23,7 +23,8 @@ pub(crate) fn settle(
     near: &Near,
     rest: &mut Rest,
 ) {
-    let quiet = |bodies: &[BodyState], b: usize| bodies[b].lies_calm() && scene.party(b).may_rest();
+    let quiet =
+        |bodies: &[BodyState], b: usize| bodies[b].lies_still() && scene.party(b).may_rest();
     if !(0..bodies.len()).any(|b| quiet(bodies, b)) {
         return;
     }

@@ -3,8 +3,8 @@
 use crate::in_place::clone_in_place;
 use palpate_geometry::math::Lane;
 
-/// Fewest and most steps that are left to a firmer matrix once one cannot follow.
-const CAUTIOUS_STEPS: [u32; 2] = [16, 1024];
+/// Fewest and most steps by a firmer matrix once one cannot follow.
+const FIRMER_STEPS: [u32; 2] = [16, 1024];
 /// The level of the bounding matrix.
 pub(super) const BOUNDING: u32 = 2;
 
@@ -35,11 +35,11 @@ impl Convergence {
         (self.level, self.steps) = (0, 0);
         self.next = match self.corrections.is_empty() {
             true => 0,
-            false => CAUTIOUS_STEPS[0],
+            false => FIRMER_STEPS[0],
         };
     }
 
-    /// Another step: trust comes back by and by.
+    /// Another step: the tangent is tried again after a while.
     pub(super) fn step(&mut self) {
         if self.steps > 0 {
             self.steps -= 1;
@@ -48,7 +48,7 @@ impl Convergence {
             self.steps = if self.level > 0 { self.next } else { 0 };
             self.corrections.fill([0.0; 4]);
         } else {
-            self.next = self.next.saturating_sub(1).max(CAUTIOUS_STEPS[0]);
+            self.next = self.next.saturating_sub(1).max(FIRMER_STEPS[0]);
         }
     }
 
@@ -56,7 +56,7 @@ impl Convergence {
     pub(super) fn raise(&mut self, level: u32) {
         self.level = level.min(BOUNDING);
         self.steps = self.next;
-        self.next = (4 * self.next).min(CAUTIOUS_STEPS[1]);
+        self.next = (4 * self.next).min(FIRMER_STEPS[1]);
         self.corrections.fill([0.0; 4]);
     }
 }

@@ -112,6 +112,21 @@ pub(super) fn weights_at(surface: &Surface, [u, v]: [f64; 2]) -> Vec<(usize, f64
     entries
 }
 
+/// Weights of the coordinates at one place: they sum to one. `of_control`: coordinates of the control points, u-major.
+pub(super) fn coordinates_at(
+    surface: &Surface,
+    at: [f64; 2],
+    of_control: &[u32],
+) -> Vec<(u32, f64)> {
+    debug_assert_eq!(
+        of_control.len(),
+        surface.net().points().len(),
+        "a coordinate a control point"
+    );
+    let each = weights_at(surface, at).into_iter();
+    each.map(|(k, weight)| (of_control[k], weight)).collect()
+}
+
 /// What is seen least.
 struct Least {
     count: usize,

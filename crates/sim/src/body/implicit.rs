@@ -74,7 +74,7 @@ impl Kind {
 pub(super) struct ImplicitStep {
     kind: Kind,
     /// Of a continuum: the tangent of rest. Of a lattice: that, one that is firmer against turning for strained bodies,
-    /// and the bounding matrix. Of a sheet: the tangent of rest with the tension of each of [`TAUT`], and the bounding
+    /// and the bounding matrix. Of a sheet: the tangent of rest with the stretch of each of [`STRETCHES`], and the bounding
     /// matrix. Or the bounding matrix alone.
     cores: Vec<Core>,
     frames: Frames,
@@ -96,8 +96,8 @@ struct Springs {
     short: Vec<(u32, u32, f64)>,
 }
 
-/// How taut springs of a sheet are, 1 − rest length / length, up to which each of its factors follows.
-const TAUT: [f64; 4] = [0.002, 0.01, 0.06, 0.3];
+/// Stretches of springs of a sheet, 1 − rest length / length, up to which each of its factors follows.
+const STRETCHES: [f64; 4] = [0.002, 0.01, 0.06, 0.3];
 
 /// A correction that turns over this often in a row without becoming smaller grows; a large one
 /// need only do so twice.
@@ -201,7 +201,7 @@ impl ImplicitStep {
             pressures: vec![[0.0; 4]; pressures],
             gaps: vec![[0.0; 4]; pressures],
             core: 0,
-            tension: 0,
+            by_stretch: 0,
             starts: matter.rest.clone(),
             inertia: None,
             rigid: RigidPart::for_places(if matter.is_free() {
@@ -216,7 +216,7 @@ impl ImplicitStep {
     /// That of a body at rest.
     pub(super) fn convergence(&self, matter: &Matter) -> Convergence {
         let mut convergence = Convergence::default();
-        if self.is_cautious() {
+        if self.has_fall_back() {
             convergence.corrections = vec![[0.0; 4]; matter.unknown_count()];
             convergence.set_to_rest();
         }
@@ -229,7 +229,7 @@ impl ImplicitStep {
     }
 
     /// Springs have a tangent, and something to fall back on where it cannot follow them.
-    fn is_cautious(&self) -> bool {
+    fn has_fall_back(&self) -> bool {
         self.kind != Kind::Continuum && self.cores.len() > 1
     }
 
@@ -243,7 +243,7 @@ impl ImplicitStep {
     /// case its matrix need only be half of the tangent, and what is far softer than the matrix creeps
     /// instead of flying on. Sheets by the bounding matrix do: out of plane they are much softer.
     pub(super) fn starts_ahead(&self, state: &DeformableState) -> bool {
-        match self.is_cautious() {
+        match self.has_fall_back() {
             _ if self.kind != Kind::Sheet => true,
             false => false,
             true => state.convergence.level < BOUNDING,
@@ -264,12 +264,12 @@ impl ImplicitStep {
         implicit.inertia = (matter.is_free()).then(|| Inertia::of(matter, &scratch.reached));
         implicit.starts.copy_from_slice(&scratch.reached);
         implicit.last_m2 = f64::INFINITY;
-        if self.is_cautious() {
+        if self.has_fall_back() {
             implicit.convergence.step();
             if self.kind == Kind::Sheet {
-                let now = tension(matter, state, &mut scratch.coordinates);
-                let follows = TAUT.iter().position(|&most| now <= most);
-                implicit.tension = follows.unwrap_or(TAUT.len() - 1);
+                let now = greatest_stretch(matter, state, &mut scratch.coordinates);
+                let follows = STRETCHES.iter().position(|&most| now <= most);
+                implicit.by_stretch = follows.unwrap_or(STRETCHES.len() - 1);
                 if follows.is_none() {
                     implicit.convergence.level = BOUNDING;
                 }
@@ -279,7 +279,7 @@ impl ImplicitStep {
         self.choose_core(scratch);
     }
 
-    /// Takes the core that the step's caution asks for, and its frames.
+    /// Takes the core that the corrections so far ask for, and its frames.
     fn choose_core(&self, scratch: &mut DeformableScratch) {
         let DeformableScratch {
             implicit,
@@ -290,10 +290,10 @@ impl ImplicitStep {
         implicit.core = match (self.kind, implicit.convergence.level) {
             (Kind::Continuum, _) => 0,
             (_, BOUNDING..) => bounding,
-            _ if !self.is_cautious() => bounding,
+            _ if !self.has_fall_back() => bounding,
             (Kind::Lattice, level) => level as usize,
-            (Kind::Sheet, 0) => implicit.tension,
-            (Kind::Sheet, _) => TAUT.len() - 1,
+            (Kind::Sheet, 0) => implicit.by_stretch,
+            (Kind::Sheet, _) => STRETCHES.len() - 1,
         };
         let ImplicitScratch {
             frames, followed, ..
@@ -389,7 +389,7 @@ impl ImplicitStep {
             self.answer(matter, scratch, true);
             let Some(springs) = &self.springs else { break };
             let implicit = &mut scratch.implicit;
-            if !self.is_cautious() || implicit.convergence.level >= BOUNDING {
+            if !self.has_fall_back() || implicit.convergence.level >= BOUNDING {
                 break;
             }
             let next = match first {
@@ -628,18 +628,18 @@ fn since(frame: &Frame, made_in: &Frame) -> Frame {
     })
 }
 
-/// How taut a sheet is, or will be where damping looks.
-fn tension(matter: &Matter, state: &DeformableState, places: &mut [Lane]) -> f64 {
+/// The greatest stretch of a sheet now, or where damping looks.
+fn greatest_stretch(matter: &Matter, state: &DeformableState, places: &mut [Lane]) -> f64 {
     let rest = matter.rest_lengths(state);
     lanes(&state.positions, places);
-    let now = matter.law.tension(rest, places);
+    let now = matter.law.greatest_stretch(rest, places);
     let ahead_s = matter.settings.dt_s + matter.damping_s;
     for (lane, v) in places.iter_mut().zip(&state.velocities) {
         for (value, part) in lane.iter_mut().zip(v.iter()) {
             *value += part * ahead_s;
         }
     }
-    now.max(matter.law.tension(rest, places))
+    now.max(matter.law.greatest_stretch(rest, places))
 }
 
 impl ImplicitScratch {

@@ -6,7 +6,6 @@
 
 use palpate_geometry::math::lanes::{Baseline, Lanes};
 use palpate_geometry::math::{Lane, Point3, SymmetricTriplets, simd};
-use palpate_geometry::surface::Surface;
 use std::collections::BTreeMap;
 
 /// W, row by row.
@@ -283,35 +282,6 @@ fn apply_wide(map: &SparseRows, coordinates: &[Lane], nodes: &mut [Lane]) {
 #[target_feature(enable = "avx2")]
 fn add_transposed_wide(map: &SparseRows, nodes: &[Lane], coordinates: &mut [Lane]) {
     map.add_transposed_in::<palpate_geometry::math::lanes::Wide>(nodes, coordinates);
-}
-
-/// The coordinates that a point of a surface is made of, with their weights, which add up to one; `of_control`: coordinates of
-/// its control points, u-major.
-pub(super) fn surface_row(
-    surface: &Surface,
-    [u, v]: [f64; 2],
-    of_control: &[u32],
-) -> Vec<(u32, f64)> {
-    debug_assert_eq!(
-        of_control.len(),
-        surface.net().points().len(),
-        "a coordinate a control point"
-    );
-    let (wu, wv) = (surface.knots_u().window(u), surface.knots_v().window(v));
-    let (rows, columns) = (surface.net().rows(), surface.net().columns());
-    let mut weights = Vec::with_capacity(wu.len * wv.len);
-    for (a, n) in wu.values().iter().enumerate() {
-        for (b, m) in wv.values().iter().enumerate() {
-            let k = (wu.first + a) % rows * columns + (wv.first + b) % columns;
-            weights.push((
-                of_control[k],
-                n * m * surface.weights().map_or(1.0, |w| w[k]),
-            ));
-        }
-    }
-    let sum: f64 = weights.iter().map(|entry| entry.1).sum();
-    weights.iter_mut().for_each(|entry| entry.1 /= sum);
-    weights
 }
 
 #[cfg(test)]

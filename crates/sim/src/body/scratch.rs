@@ -88,7 +88,7 @@ pub(super) struct ImplicitScratch {
     pub(super) merit_j: f64,
     /// (unknowns), m: the solution in the world.
     pub(super) moved: Vec<Vector3>,
-    /// The state's caution after the step.
+    /// As in the state after the step.
     pub(super) convergence: Convergence,
     /// Σ |correction|² of the last further iteration, m².
     pub(super) last_m2: f64,
@@ -97,8 +97,8 @@ pub(super) struct ImplicitScratch {
     pub(super) gaps: Vec<Lane>,
     /// Which core the step takes.
     pub(super) core: usize,
-    /// Which of them a sheet as taut as in this step takes.
-    pub(super) tension: usize,
+    /// Which of them a sheet stretched as in this step takes.
+    pub(super) by_stretch: usize,
     /// (coordinates), m: where the step starts.
     pub(super) starts: Vec<Point3>,
     /// Of a free body, there.

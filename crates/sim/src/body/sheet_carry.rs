@@ -5,7 +5,8 @@
 //! squares along u and along v. What the weights miss of affine motions is added, so that those are exact.
 
 use super::deformable::Deformable;
-use super::node_map::{SparseRows, surface_row};
+use super::exterior::coordinates_at;
+use super::node_map::SparseRows;
 use palpate_geometry::basis::{Blending, BlendingInverse, KnotVector};
 use palpate_geometry::math::{Matrix3, Point3, Vector3};
 use palpate_geometry::surface::{ClosestSolver, Surface};
@@ -116,7 +117,7 @@ pub(super) fn carried(
     for &u in &us {
         for &v in &vs {
             let foot = solver.closest(whole, &part.point(u, v));
-            at.push(surface_row(whole, [foot.u, foot.v], of_control));
+            at.push(coordinates_at(whole, [foot.u, foot.v], of_control));
         }
     }
     let columns = part.net().columns();

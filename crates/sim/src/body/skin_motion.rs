@@ -8,8 +8,9 @@
 
 use super::cells::{Cell, EDGES, gauss_determinants, middle_determinant};
 use super::deformable::Deformable;
+use super::exterior::coordinates_at;
 use super::matter::Matter;
-use super::node_map::{NodeMap, SparseRows, surface_row};
+use super::node_map::{NodeMap, SparseRows};
 use super::state::DeformableState;
 use super::tetrahedra::Tetrahedra;
 use super::through_skin::{Places, ThroughSkin};
@@ -249,7 +250,7 @@ impl<'a> OnSkin<'a> {
                 let inside = by_cells(cells, body, &foot.point).into_iter();
                 row.extend(inside.map(|(c, weight)| (c, -share * weight)));
                 let outside =
-                    surface_row(skin, [foot.u, foot.v], &body.coordinate_of_control).into_iter();
+                    coordinates_at(skin, [foot.u, foot.v], &body.coordinate_of_control).into_iter();
                 row.extend(outside.map(|(c, weight)| (c, share * weight)));
             }
             row

@@ -34,7 +34,7 @@ pub struct DeformableState {
     pub still: u32,
     /// How long it has stayed where it is, on other bodies.
     pub stillness: Stillness,
-    /// It lies calm on others, and neither steps nor is looked at.
+    /// It lies still on others, and neither steps nor is looked at.
     pub left_alone: bool,
     /// Body steps slept through.
     pub slept: u64,
@@ -57,11 +57,11 @@ clone_in_place!(DeformableState {
 
 impl DeformableState {
     /// It has stayed where it is for a while, on other bodies or by itself, and no tool touched it.
-    pub fn lies_calm(&self) -> bool {
+    pub fn lies_still(&self) -> bool {
         self.stillness.is_long() || self.still >= STILL_STEPS
     }
 
-    /// It lies calm on other bodies and neither steps nor is looked at.
+    /// It lies still on other bodies and neither steps nor is looked at.
     pub fn is_left_alone(&self) -> bool {
         self.left_alone
     }

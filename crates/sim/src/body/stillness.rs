@@ -15,7 +15,7 @@ const DRIFT: f64 = 300.0;
 /// Of the weight of a body that lies on others: how far its contact forces may be from bearing it.
 pub(crate) const BORNE: f64 = 5e-3;
 
-/// Steps of calm after which a body is left alone with whatever forces it has.
+/// Still steps after which a body sleeps with the forces it has.
 const LONG: u32 = 10 * STILL_STEPS;
 
 /// How to see where the nodes of a body are on average, and how they are turned and stretched.
@@ -71,7 +71,7 @@ pub struct Stillness {
 }
 
 impl Stillness {
-    /// It has stayed for long enough to be left alone.
+    /// It has stayed for long enough to sleep.
     pub fn is_long(&self) -> bool {
         self.steps >= LONG
     }

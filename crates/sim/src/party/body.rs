@@ -44,12 +44,12 @@ clone_in_place!(BodyState {
 
 impl BodyState {
     /// It lies at rest, and may sleep with its contacts.
-    pub(crate) fn lies_calm(&self) -> bool {
+    pub(crate) fn lies_still(&self) -> bool {
         let free = self.rigid.as_ref().and_then(RigidState::flight);
         self.deformable
             .as_ref()
-            .is_some_and(|body| body.lies_calm())
-            || free.is_some_and(|flight| flight.lies_calm())
+            .is_some_and(|body| body.lies_still())
+            || free.is_some_and(|flight| flight.lies_still())
     }
 
     /// It sleeps.

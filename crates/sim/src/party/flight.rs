@@ -43,7 +43,7 @@ impl Flight {
     }
 
     /// It has been at rest for a while.
-    pub(crate) fn lies_calm(&self) -> bool {
+    pub(crate) fn lies_still(&self) -> bool {
         self.stillness.is_long()
     }
 

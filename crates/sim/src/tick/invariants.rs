@@ -272,11 +272,11 @@ impl SceneState {
                 "body {b}: loads kept"
             );
             debug_assert!(
-                !own.is_left_alone() || own.lies_calm(),
+                !own.is_left_alone() || own.lies_still(),
                 "body {b}: resting in motion"
             );
             debug_assert!(
-                !body.is_firm() || !own.lies_calm(),
+                !body.is_firm() || !own.lies_still(),
                 "body {b}: firm and resting"
             );
             debug_assert!(

@@ -123,18 +123,18 @@ impl MaterialLaw {
         }
     }
 
-    /// Edges of the Laplacian that springs drawn to a tension, 1 − rest length / length, have out of
-    /// plane.
-    pub(in crate::body) fn tension_edges(&self, tension: f64) -> Vec<Edge> {
+    /// Edges of the Laplacian that springs have out of plane that are drawn to a stretch,
+    /// 1 − rest length / length.
+    pub(in crate::body) fn tension_edges(&self, stretch: f64) -> Vec<Edge> {
         let each = self.springs.each();
-        each.map(|(_, _, a, b, k)| (a as u32, b as u32, k * self.slope * tension))
+        each.map(|(_, _, a, b, k)| (a as u32, b as u32, k * self.slope * stretch))
             .collect()
     }
 
-    /// How taut the tautest spring is at `places` (nodes): 1 − rest length / length, 0 where none is
+    /// The greatest stretch of a spring at `places` (nodes): 1 − rest length / length, 0 where none is
     /// drawn.
-    pub(in crate::body) fn tension(&self, rest: &[Lane], places: &[Lane]) -> f64 {
-        self.springs.tension(rest, places)
+    pub(in crate::body) fn greatest_stretch(&self, rest: &[Lane], places: &[Lane]) -> f64 {
+        self.springs.greatest_stretch(rest, places)
     }
 
     /// True for solids, whose tangent at rest resists every motion but rigid ones. Rows of a

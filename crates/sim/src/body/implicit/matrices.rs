@@ -1,6 +1,6 @@
 //! The matrices of a step and their factors, at build.
 
-use super::{Kind, TAUT};
+use super::{Kind, STRETCHES};
 use crate::body::core::{Core, Factor, SurfaceBlocks};
 use crate::body::elements::{Edge, Place, Weight};
 use crate::body::follow;
@@ -143,11 +143,11 @@ fn of_lattice(
     (matrices, short.entries)
 }
 
-/// The tangent of rest with each tension.
+/// The tangent of rest with each stretch.
 fn of_sheet(matter: &Matter, plain: &BlockTriplets) -> Vec<BlockTriplets> {
-    let drawn = TAUT.map(|tension| {
+    let drawn = STRETCHES.map(|stretch| {
         let mut matrix = plain.clone();
-        tangent::add_edges(matter, &matter.law.tension_edges(tension), &mut matrix);
+        tangent::add_edges(matter, &matter.law.tension_edges(stretch), &mut matrix);
         matrix
     });
     drawn.into()

@@ -115,7 +115,7 @@ impl SpringTable {
     }
 
     /// The largest 1 − rest length / length of a spring at `places` (nodes); 0 where none is drawn.
-    pub(in crate::body) fn tension(&self, rest: &[Four], places: &[Lane]) -> f64 {
+    pub(in crate::body) fn greatest_stretch(&self, rest: &[Four], places: &[Lane]) -> f64 {
         // Of squares, so that there is one root.
         let mut least = 1.0_f64;
         for (block, place, a, b, _) in self.each() {
@@ -147,9 +147,9 @@ impl SpringTable {
             let Some(way) = edge.try_normalize(0.0) else {
                 continue;
             };
-            let tension = (1.0 - rest[block][lane] / edge.norm()).max(0.0);
+            let stretch = (1.0 - rest[block][lane] / edge.norm()).max(0.0);
             let along = way * way.transpose();
-            let block = (along * margin + (Matrix3::identity() - along) * tension) * k;
+            let block = (along * margin + (Matrix3::identity() - along) * stretch) * k;
             out(a as u32, a as u32, block);
             out(b as u32, b as u32, block);
             out(a as u32, b as u32, -block);
