@@ -10,7 +10,7 @@ use crate::scene::plan::step_us;
 use crate::scene::refine::{self, Refined};
 use crate::scene::spec::{BodySpec, IterationsSpec, MatrixSpec, MethodSpec, ModelSpec, RefineSpec};
 use crate::solve::indentation::{
-    FOCUS, FOCUS_OF_SMOOTH, PATCH, PATCH_OF_SMOOTH, Resolution, of_layers,
+    FOCUS, FOCUS_OF_SMOOTH, LESS, LESS_OF_SMOOTH, PATCH, PATCH_OF_SMOOTH, Resolution, of_layers,
 };
 use palpate_geometry::basis::KnotVector;
 use palpate_geometry::contact::ContactSamples;
@@ -108,16 +108,16 @@ fn resolution(surface: &Surface, body: &Deformable, spec: &BodySpec) -> Vec<Reso
             return Some(Resolution::default());
         }
         let span_m = span_m(surface, control);
-        let (patch_m, focus) = match smooth {
+        let (patch_m, focus, less) = match smooth {
             true => {
                 let layer_m = 2.0 * grain.volume_m3 / (span_m * span_m);
                 let patch_m = PATCH_OF_SMOOTH * span_m * of_layers(layer_m / span_m);
-                (patch_m, FOCUS_OF_SMOOTH)
+                (patch_m, FOCUS_OF_SMOOTH, LESS_OF_SMOOTH)
             }
             // Half a cell is all that a control point of a surface has.
             false => {
                 let cell_m = libm::cbrt(2.0 * grain.volume_m3);
-                (PATCH * (span_m * cell_m).sqrt(), FOCUS)
+                (PATCH * (span_m * cell_m).sqrt(), FOCUS, LESS)
             }
         };
         let mean = surface
@@ -131,6 +131,7 @@ fn resolution(surface: &Surface, body: &Deformable, spec: &BodySpec) -> Vec<Reso
             voigt: body.voigt(),
             patch_m,
             focus,
+            less,
             curvature_1_m: mean.max(-most).min(most),
             // Half of what is there.
             thin_1_m: 2.0 / thickness_m,
