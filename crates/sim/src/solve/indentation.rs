@@ -51,7 +51,7 @@ pub const EASE: f64 = 0.1;
 pub const LESS: f64 = 0.25;
 /// As [`LESS`], for a net whose control points are coordinates: it gives way under a wider patch as it does under one point.
 /// Measured: with 0.25 a ball on a control point has 0.8 times Hertz' force where the patch is 1.5 times the net's.
-pub const LESS_OF_SMOOTH: f64 = 0.8;
+pub const LESS_OF_SMOOTH: f64 = 0.6;
 
 /// How much larger a₀ of such a net is where its layers are so many times as thick as its spans are long. Measured on slabs
 /// whose cells are 10 and 30 mm thick under spans of 3.75 to 7.5 mm: without it they have up to 2.5 times Hertz' force.
