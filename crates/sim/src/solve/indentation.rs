@@ -296,6 +296,12 @@ impl Indentation {
         } else {
             (missing_m(full_m), 0.0)
         };
+        // More rows than one slip in their turns.
+        let one_place = (2.0 - libm::cbrt(load_m2 / full_m2)).clamp(0.0, 1.0);
+        let shown_m_n = match one_place > 0.0 {
+            true => one_place / (twice_pa * patch_m),
+            false => 0.0,
+        };
         // Less from zero on is none.
         let offset_m = (offset_m - less_m).max(-slope_m_n * force_n);
         let flat_m_n = flat_1_m / twice_pa;
@@ -304,7 +310,7 @@ impl Indentation {
             offset_m: offset_m + flat_m_n * beside_n,
             // A face is one place.
             slope_m_n: slope_m_n * share + flat_m_n,
-            across_m_n: touch.across_m_n(slope_m_n * share) / place.voigt,
+            across_m_n: touch.across_m_n(slope_m_n * share, shown_m_n * share) / place.voigt,
         }
     }
 }
@@ -338,6 +344,9 @@ pub struct Touch {
     pub mu: f64,
 }
 
+/// Cube root of the friction that is left under the least force across that counts.
+const LEFT: f64 = 0.999;
+
 /// A force this many times that of the last tick is a hit.
 const HIT: f64 = 4.0;
 
@@ -348,24 +357,36 @@ impl Touch {
     }
 
     /// How far the surface is drawn aside by friction for each newton beyond what the net shows, at rest, m/N, where it
-    /// goes in by so much for each newton.
+    /// goes in by so much for each newton, and by so much that the net shows.
     ///
     /// A patch that is pressed with N by a ball slips from its rim on: it is drawn by
-    /// 3 µ N c / 2 (1 − (1 − T / (µ N))^⅔) under T (R. D. Mindlin, J. Appl. Mech. 16 (1949) 259). This is the mean of
-    /// that curve up to where it is drawn now.
-    fn across_m_n(&self, slope_m_n: f64) -> f64 {
+    /// 3 µ N c / 2 (1 − (1 − T / (µ N))^⅔) under T (R. D. Mindlin, J. Appl. Mech. 16 (1949) 259), c what it gives way
+    /// while all of it sticks, of which the net shows a part, and that part without slip. This is the mean of what is
+    /// missing up to where it is drawn now.
+    fn across_m_n(&self, slope_m_n: f64, shown_m_n: f64) -> f64 {
         if self.mu == 0.0 {
             return 0.0;
         }
-        let start_m_n = self.place.across * slope_m_n;
-        let whole_m = 1.5 * self.mu * self.force_n * start_m_n;
-        let share = self.drawn_m.norm() / whole_m;
-        if share.is_nan() || share < 1e-6 {
-            return start_m_n;
+        let [start_m_n, shown_m_n] = [slope_m_n, shown_m_n].map(|c| self.place.across * c);
+        let whole_m_n = start_m_n + shown_m_n;
+        // Of the friction that holds, by the cube root of what is left of it.
+        let missing_m_n = |left: f64| {
+            1.5 * whole_m_n * (1.0 - left * left) - shown_m_n * (1.0 - left * left * left)
+        };
+        let drawn_m_n = self.drawn_m.norm() / (self.mu * self.force_n);
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            // It falls with what is left.
+            let deep = missing_m_n(middle) > drawn_m_n;
+            *(if deep { &mut low } else { &mut high }) = middle;
         }
-        let share = share.min(1.0);
-        let stuck = 1.0 - share;
-        1.5 * start_m_n * share / (1.0 - stuck * stuck.sqrt())
+        // Drawn a little from the start, or it would never begin.
+        let left = match drawn_m_n > 0.0 {
+            true => low.min(LEFT),
+            false => LEFT,
+        };
+        missing_m_n(left) / (1.0 - left * left * left)
     }
 
     /// How far it is still drawn aside at the end of the tick without a force, m: a Voigt solid creeps back.
