@@ -6,7 +6,6 @@
 //! What needs time, such as compressing, is done aside: one thread serves all connections, also those that ask for
 //! health.
 
-use crate::door::{Door, Limits, Place};
 use axum::body::{Body, HttpBody};
 use axum::extract::ConnectInfo;
 use axum::http::{HeaderValue, StatusCode, header};
@@ -17,6 +16,7 @@ use hyper::server::conn::http1;
 use hyper::service::{Service as _, service_fn};
 use hyper_util::rt::TokioIo;
 use hyper_util::service::TowerToHyperService;
+use palpate_adapters::door::{Door, Limits, Peer, Place};
 use socket2::SockRef;
 use std::convert::Infallible;
 use std::io::{self, IoSlice};
@@ -52,10 +52,6 @@ const SENT_AHEAD: usize = 256 << 10;
 const HEARD_STALLED: usize = 64 << 10;
 /// After an error of the system, such as no descriptor.
 const NAP: Duration = Duration::from_millis(100);
-
-/// Who connected.
-#[derive(Clone, Copy, Debug)]
-pub struct Peer(pub SocketAddr);
 
 /// Serves connections as they come.
 pub(super) async fn accept(listener: TcpListener, app: Router) {
@@ -291,7 +287,7 @@ impl AsyncWrite for Connection {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::door::STALL;
+    use palpate_adapters::door::STALL;
     use std::io::{ErrorKind, Read as _};
 
     // Seen: sockets that say nothing stayed for ever and kept others out.

@@ -3,12 +3,12 @@
 
 use crate::common::World;
 use crate::session::{RIGID, Random, Script, record, record_lying, scenes, slab};
-use palpate::drive::workers::Workers;
-use palpate::recording::{
+use palpate_drive::workers::Workers;
+use palpate_geometry::math::{Point3, SavedState, Vector3, state_hash};
+use palpate_record::{
     Contents, Figures, ReplayOptions, Session, SessionHash, Start, deviations, info, replay,
     replay_with, simulate_figures,
 };
-use palpate_geometry::math::{Point3, SavedState, Vector3, state_hash};
 use palpate_sim::body::{DeformableState, Field};
 use palpate_sim::tick::record::{Command, TickOutput, TickRecord};
 use palpate_sim::tick::{Pipeline, SceneState};
@@ -315,7 +315,7 @@ fn what_is_found_does_not_depend_on_the_number_of_threads() {
             )
             .unwrap();
             assert!(report.realtime_factor > 0.0);
-            palpate::recording::ReplayReport {
+            palpate_record::ReplayReport {
                 realtime_factor: 0.0,
                 jobs: 0,
                 ..report

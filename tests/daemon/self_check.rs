@@ -3,10 +3,10 @@
 use crate::common::World;
 use crate::daemon::{Daemon, device};
 use crate::session::{RIGID, Script, scenes};
-use palpate::drive::journal::{Journal, NoJournal};
-use palpate::drive::nets::NetPool;
-use palpate::recording::{SelfCheck, SelfCheckReport};
+use palpate_drive::journal::{Journal, NoJournal};
+use palpate_drive::nets::NetPool;
 use palpate_geometry::math::state_hash;
+use palpate_record::{SelfCheck, SelfCheckReport};
 use palpate_sim::scene::Scene;
 use palpate_sim::tick::record::{Command, TickRecord};
 use palpate_sim::tick::{apply, step};

@@ -1,8 +1,8 @@
 //! The program `palpate` in this process, and pages of recordings.
 
 use crate::errors::{os_error, raised};
-use palpate::recording::{Session, build_id as build, recorded_scene};
 use palpate::viewer::html_page;
+use palpate_record::{Session, build_id as build, recorded_scene};
 use pyo3::prelude::*;
 use std::ffi::OsString;
 use std::path::PathBuf;

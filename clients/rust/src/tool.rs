@@ -6,6 +6,7 @@ use crate::exact::is_one_key;
 use crate::newest::NewestForce;
 use crate::publish::publisher;
 use palpate_proto::codec::{decode, encode};
+use palpate_proto::keys::short_id;
 use palpate_proto::messages::{DeviceInfo, ToolContact, ToolForce, ToolPose, force_flags};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -212,14 +213,6 @@ pub fn holder_id(session: &zenoh::Session) -> Vec<u8> {
         &number.to_le_bytes(),
     ]
     .concat()
-}
-
-/// Enough of such an id to tell clients apart, as text.
-pub fn short_id(id: &[u8]) -> String {
-    // First comes the session, last the number of the call in it.
-    let tail = id.len().saturating_sub(4).max(4).min(id.len());
-    let bytes = id.iter().take(4).chain(&id[tail..]);
-    bytes.map(|byte| format!("{byte:02x}")).collect()
 }
 
 impl Palpate {

@@ -1,6 +1,5 @@
 //! A simulated device on a loop, both in lockstep, with a network between them if wanted.
 
-use palpate::wire;
 use palpate_client::device::{
     Channel, DeviceModel, Goal, Hand, Network, Passivity, SimulatedDevice,
 };
@@ -9,6 +8,7 @@ use palpate_sim::scene::{Scene, file};
 use palpate_sim::tick::record::{TickInput, ToolOutput};
 use palpate_sim::tick::step;
 use palpate_sim::tick::{SceneState, Scratch};
+use palpate_wire as wire;
 use std::path::Path;
 
 /// A scene at work.

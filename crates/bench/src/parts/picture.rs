@@ -2,8 +2,8 @@
 
 use super::slide::{PRESSED_M, RADIUS_M, ball, scene};
 use super::world::World;
-use palpate::chart::{Chart, Curve, Scale, page};
 use palpate_geometry::math::{Point3, Vector3};
+use palpate_record::chart::{Chart, Curve, Scale, page};
 
 /// m from tick to tick, 20 mm/s; and ticks from one drawn point to the next.
 const STEP_M: f64 = 2e-5;

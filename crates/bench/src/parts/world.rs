@@ -1,10 +1,10 @@
 //! A scene of a part and a ball at work, without a device.
 
-use palpate::wire;
 use palpate_proto::messages::ToolPose;
 use palpate_sim::scene::{Scene, file};
 use palpate_sim::tick::record::{TickInput, ToolOutput};
 use palpate_sim::tick::{SceneState, Scratch, step};
+use palpate_wire as wire;
 use std::path::Path;
 
 pub(super) struct World {
