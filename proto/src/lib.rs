@@ -15,6 +15,7 @@ pub mod foxglove;
 pub mod keys;
 pub mod layout;
 pub mod messages;
+mod pose;
 #[cfg(feature = "recording")]
 pub mod recording;
 pub mod rpc;
@@ -23,4 +24,5 @@ pub mod text;
 pub mod watchdog;
 
 pub use device::DeviceError;
+pub use pose::pose_at;
 pub use watchdog::Watchdog;

@@ -14,20 +14,6 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use zenoh::Wait;
 use zenoh::bytes::ZBytes;
 
-/// A pose at rest at a place, unrotated. Its `seq` and time are set when it is sent.
-pub fn pose_at(position: [f64; 3]) -> ToolPose {
-    ToolPose {
-        seq: 0,
-        t_client_ns: 0,
-        position,
-        orientation: [0.0, 0.0, 0.0, 1.0],
-        linear_velocity: [0.0; 3],
-        angular_velocity: [0.0; 3],
-        buttons: 0,
-        flags: 0,
-    }
-}
-
 /// In lockstep a pose without its force after this long is sent again.
 const RESEND: Duration = Duration::from_millis(100);
 
