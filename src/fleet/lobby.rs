@@ -3,9 +3,9 @@
 use super::keeper::Keeper;
 use super::routes;
 use super::shelf::Shelf;
-use crate::viewer::{Hosts, Server};
 use palpate_client::is_secured;
 use palpate_client::links::{is_here, is_loopback};
+use palpate_http::{Hosts, Server};
 use std::ffi::OsString;
 use std::net::{SocketAddr, TcpListener};
 use std::path::{Path, PathBuf};

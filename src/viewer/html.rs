@@ -1,6 +1,6 @@
 //! A recording as one page that opens from disk: bundle and data in one file.
 
-use super::server::bundle;
+use super::files::bundle;
 use base64::Engine as _;
 use base64::prelude::BASE64_STANDARD;
 use palpate_proto::codec::encode;

@@ -1,7 +1,6 @@
 //! The page of recordings: files by ranges, and what their scenes look like.
 
-use super::guard::Hosts;
-use super::server::{self, Server};
+use super::files;
 use super::session::{ListedRecording, SessionInfo, json};
 use super::{ViewerError, ViewerSettings, listen};
 use axum::Router;
@@ -10,6 +9,7 @@ use axum::extract::{Path as UrlPath, State};
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
+use palpate_http::{Hosts, Server};
 use palpate_proto::codec::encode;
 use palpate_proto::text::printable;
 use palpate_record::{Session, recorded_scene};
@@ -71,7 +71,7 @@ impl RecordingsViewer {
             .route("/recordings/{number}/scene", get(scene))
             .route("/healthz", get(|| async { "ok\n" }))
             .with_state(all)
-            .merge(server::files());
+            .merge(files::files());
         let hosts = Hosts {
             names: settings.hosts.clone().into(),
             ..Hosts::default()

@@ -1,9 +1,9 @@
 //! A simulated device as a Haply Inverse Service: for programs written for Haply, without hardware.
 
 use super::simulated::SimulatedHand;
-use crate::door::{Door, Limits, Place};
 use palpate_client::proto::messages::ToolPose;
 use palpate_devices::haply::{Buttons, DeviceState, read_forces, state_message};
+use palpate_http::door::{Door, Limits, Place};
 use std::net::{IpAddr, Shutdown, SocketAddr, TcpListener, TcpStream};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};

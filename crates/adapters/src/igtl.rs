@@ -7,7 +7,7 @@
 //! A tracker has no motors: nothing comes back to it. Loopback only.
 
 use super::unix_ns;
-use crate::door::{Door, Limits, Place};
+use palpate_http::door::{Door, Limits, Place};
 use palpate_client::{Forces, Palpate, Tool, pose_at};
 use palpate_devices::igtl::{HEADER, Header, TrackedPose, transform};
 use std::collections::BTreeMap;

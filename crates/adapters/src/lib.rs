@@ -9,7 +9,6 @@
 
 mod counts;
 mod couple;
-pub mod door;
 pub mod haply;
 pub mod haply_service;
 pub mod igtl;

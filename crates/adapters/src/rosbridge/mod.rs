@@ -13,7 +13,6 @@ mod arm;
 mod outlet;
 
 use super::ros2::{ArmPlan, Plan};
-use crate::door::Peer;
 use arm::{Grip, Input};
 use axum::Router;
 use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
@@ -32,6 +31,7 @@ use palpate_devices::rosbridge::{
     Request, publish, read_buttons, read_pose, read_request, read_twist, same_type,
     service_response, status, wrench,
 };
+use palpate_http::door::Peer;
 use palpate_sim::scene::Scene;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;

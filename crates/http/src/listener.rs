@@ -6,6 +6,7 @@
 //! What needs time, such as compressing, is done aside: one thread serves all connections, also those that ask for
 //! health.
 
+use crate::door::{Door, Limits, Peer, Place};
 use axum::body::{Body, HttpBody};
 use axum::extract::ConnectInfo;
 use axum::http::{HeaderValue, StatusCode, header};
@@ -16,7 +17,6 @@ use hyper::server::conn::http1;
 use hyper::service::{Service as _, service_fn};
 use hyper_util::rt::TokioIo;
 use hyper_util::service::TowerToHyperService;
-use palpate_adapters::door::{Door, Limits, Peer, Place};
 use socket2::SockRef;
 use std::convert::Infallible;
 use std::io::{self, IoSlice};
@@ -54,7 +54,7 @@ const HEARD_STALLED: usize = 64 << 10;
 const NAP: Duration = Duration::from_millis(100);
 
 /// Serves connections as they come.
-pub(super) async fn accept(listener: TcpListener, app: Router) {
+pub(crate) async fn accept(listener: TcpListener, app: Router) {
     accept_within(LIMITS, listener, app).await;
 }
 
@@ -287,7 +287,7 @@ impl AsyncWrite for Connection {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use palpate_adapters::door::STALL;
+    use crate::door::STALL;
     use std::io::{ErrorKind, Read as _};
 
     // Seen: sockets that say nothing stayed for ever and kept others out.

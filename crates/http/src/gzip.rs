@@ -17,7 +17,7 @@ const MOST_BYTES: usize = 256 << 20;
 
 /// What does not change while the program runs, compressed once.
 #[derive(Clone, Default)]
-pub(super) struct Kept(Arc<[OnceLock<Bytes>; 3]>);
+pub(crate) struct Kept(Arc<[OnceLock<Bytes>; 3]>);
 
 impl Kept {
     fn of(&self, path: &str) -> Option<&OnceLock<Bytes>> {
@@ -33,7 +33,7 @@ impl Kept {
 }
 
 /// Compresses texts of answers that are whole.
-pub(super) async fn texts(State(kept): State<Kept>, request: Request, next: Next) -> Response {
+pub(crate) async fn texts(State(kept): State<Kept>, request: Request, next: Next) -> Response {
     let taken = takes_gzip(request.headers());
     let path = request.uri().path().to_owned();
     let mut response = next.run(request).await;

@@ -33,17 +33,17 @@ const FOR_OTHERS: [&str; 2] = ["/foxglove", "/rosbridge"];
 
 /// Who may ask.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Hosts {
+pub struct Hosts {
     /// Names other than numbers and `localhost` under which the page may be opened.
-    pub(crate) names: Arc<[String]>,
+    pub names: Arc<[String]>,
     /// Sites that may connect to what is for others.
-    pub(crate) origins: Arc<[String]>,
+    pub origins: Arc<[String]>,
     /// All paths are for others.
-    pub(crate) for_others: bool,
+    pub for_others: bool,
 }
 
 /// Refuses requests that another site may have made; adds the headers to all others.
-pub(super) async fn check(State(hosts): State<Hosts>, request: Request, next: Next) -> Response {
+pub(crate) async fn check(State(hosts): State<Hosts>, request: Request, next: Next) -> Response {
     if let Err(reason) = hosts.check(request.headers(), request.uri().path()) {
         return (StatusCode::FORBIDDEN, format!("{reason}\n")).into_response();
     }
