@@ -25,7 +25,6 @@ mod numbers;
 mod page;
 mod plan;
 mod play;
-mod pressing;
 mod probe;
 mod recover;
 mod relay;

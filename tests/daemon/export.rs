@@ -1,6 +1,6 @@
 //! Recordings for other programs: tables, plots, nets at any tick, and what `info` says.
 
-use crate::common::World;
+use crate::common::{Laws as _, World};
 use crate::session::{RIGID, Script, record, slab};
 use palpate_geometry::exchange::{Format, Pick, read_surface};
 use palpate_geometry::math::Point3;

@@ -1,7 +1,7 @@
 //! The link between loop and device: lost and found, described, and told no more than a hand can
 //! feel.
 
-use crate::common::World;
+use crate::common::{Laws as _, World};
 use crate::daemon::{Daemon, PROGRAM};
 use palpate::transport::{SessionSettings, open};
 use palpate_client::pose_at;

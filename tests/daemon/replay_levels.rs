@@ -1,7 +1,7 @@
 //! Levels of replay: bit for bit on any number of threads, workers and whatever the processor
 //! offers (R1 to R3), by figures where bits may differ (R4), and from any state gone back to (R5).
 
-use crate::common::World;
+use crate::common::{Laws as _, World};
 use crate::session::{RIGID, Random, Script, record, record_lying, scenes, slab};
 use palpate_drive::workers::Workers;
 use palpate_geometry::math::{Point3, SavedState, Vector3, state_hash};

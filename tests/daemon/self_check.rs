@@ -1,6 +1,6 @@
 //! A daemon that runs its own ticks again: what it finds, and what it lets be.
 
-use crate::common::World;
+use crate::common::{Laws as _, World};
 use crate::daemon::{Daemon, device};
 use crate::session::{RIGID, Script, scenes};
 use palpate_drive::journal::{Journal, NoJournal};

@@ -1,6 +1,6 @@
 //! Steps on worker threads have the bits of steps on the tick thread.
 
-use crate::common::{World, pose, press};
+use crate::common::{Laws as _, World, pose, press};
 use palpate_drive::driver::{Driver, DriverSettings};
 use palpate_drive::pacer::Wake;
 use palpate_drive::ports::{SenderId, ports};

@@ -7,9 +7,9 @@
 //! A tracker has no motors: nothing comes back to it. Loopback only.
 
 use super::unix_ns;
-use palpate_http::door::{Door, Limits, Place};
 use palpate_client::{Forces, Palpate, Tool, pose_at};
 use palpate_devices::igtl::{HEADER, Header, TrackedPose, transform};
+use palpate_http::door::{Door, Limits, Place};
 use std::collections::BTreeMap;
 use std::io::{ErrorKind, Read as _, Write as _};
 use std::net::{Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream};
