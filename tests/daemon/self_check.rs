@@ -21,7 +21,7 @@ fn checked(
     mut hand_over: impl FnMut(&mut TickRecord),
 ) -> SelfCheckReport {
     let mut world = World::new(text);
-    let scene: Arc<Scene> = Arc::new(World::new(text).scene);
+    let scene: Arc<Scene> = World::new(text).scene;
     let (check, mut port) = SelfCheck::start(&scene, every, Box::new(NoJournal)).unwrap();
     port.keyframe(&world.state, state_hash(&world.state));
     let mut nets = NetPool::new(&scene, port.nets_held());

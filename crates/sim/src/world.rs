@@ -24,9 +24,11 @@ use std::sync::Arc;
 ///     device = { ramp_s = 0.0 }
 ///     "#,
 /// )?;
-/// world.at([0.0, 0.0, 0.04]);
-/// let output = world.at([0.0, 0.0, 0.028]);
-/// assert!((output.tools[0].force_n.z - 500.0 * 0.002).abs() < 1e-9);
+/// for k in 0..120 {
+///     world.at([0.0, 0.0, 0.03 - 1e-4 * f64::from(k.min(20))]);
+/// }
+/// // 500 N/m × 2 mm.
+/// assert!((world.record.output.tools[0].force_n.z - 1.0).abs() < 1e-9);
 /// # Ok::<(), palpate_sim::scene::SceneError>(())
 /// ```
 pub struct World {
