@@ -1,6 +1,6 @@
 //! What runs beside the tick costs its thread no allocation: workers, the self-check.
 
-use crate::common::{World, teardrop};
+use crate::common::{Laws as _, World, teardrop};
 use crate::counting::allocations;
 use palpate_sim::tick::record::Command;
 
