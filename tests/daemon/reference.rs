@@ -47,6 +47,20 @@ fn the_command_reference_is_that_of_this_program() {
     hold("docs/commands.md", &["man", "--markdown"]);
 }
 
+#[test]
+fn the_channels_of_the_guide_are_those_of_this_program() {
+    let path = root().join("docs/recording.md");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let begin = text.find("| `/sim/tick`").unwrap();
+    let end = text.find("| `/view/scene`").unwrap();
+    let now = palpate_record::channel_table();
+    if std::env::var_os("BLESS").is_some() {
+        std::fs::write(&path, format!("{}{now}{}", &text[..begin], &text[end..])).unwrap();
+        return;
+    }
+    assert_eq!(&text[begin..end], now, "BLESS=1 writes it");
+}
+
 /// Every key of every table, by the schema's own words.
 fn keys(schema: &Value, found: &mut Vec<String>) {
     match schema {

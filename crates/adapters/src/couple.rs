@@ -59,7 +59,7 @@ const USUAL_HZ: f64 = 900.0;
 ///
 /// # Errors
 /// The device or the bus is gone.
-pub fn couple<D: DeviceEnd>(
+pub fn couple<D: DeviceEnd + ?Sized>(
     device: &mut D,
     tool: &mut Tool,
     coupling: Coupling<'_>,
@@ -71,7 +71,7 @@ pub fn couple<D: DeviceEnd>(
     ended.and(applied).map(|()| report)
 }
 
-fn turn_after_turn<D: DeviceEnd>(
+fn turn_after_turn<D: DeviceEnd + ?Sized>(
     device: &mut D,
     tool: &mut Tool,
     coupling: Coupling<'_>,

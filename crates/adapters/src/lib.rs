@@ -9,8 +9,8 @@
 
 mod counts;
 mod couple;
-pub mod haply;
 pub mod haply_service;
+mod hardware;
 pub mod igtl;
 pub mod ros2;
 pub mod rosbridge;
@@ -18,6 +18,7 @@ pub mod simulated;
 
 pub use counts::{AdapterCount, AdapterCounts};
 pub use couple::{CoupleError, Coupling, Report, couple};
+pub use hardware::{HARDWARE, Hardware, HardwareError, Reached};
 
 use std::time::{SystemTime, UNIX_EPOCH};
 

@@ -42,6 +42,8 @@ struct ChannelRow {
     name: Name,
     /// Message in the package `palpate.v1`.
     message: &'static str,
+    /// When it is written, as the guide says it.
+    when: &'static str,
     decode: fn(&[u8]) -> Result<Happening, DecodeError>,
 }
 
@@ -52,6 +54,7 @@ const ROWS: &[ChannelRow] = &[
         topic: Topic::Tick,
         name: Name::Whole("/sim/tick"),
         message: "Tick",
+        when: "every tick: poses applied, forces, contacts, energy, state hash, times",
         decode: |data| {
             let tick = tick_from_proto(&pb::Tick::decode(data)?)?;
             Ok(Happening::Tick(Box::new(tick)))
@@ -61,6 +64,7 @@ const ROWS: &[ChannelRow] = &[
         topic: Topic::Keyframe,
         name: Name::Whole("/sim/keyframe"),
         message: "Keyframe",
+        when: "the full state: at the start, after a reset, each second, after a loss",
         decode: |data| {
             let keyframe = pb::Keyframe::decode(data)?;
             Ok(Happening::Keyframe(Keyframe {
@@ -78,6 +82,7 @@ const ROWS: &[ChannelRow] = &[
         topic: Topic::Command,
         name: Name::Whole("/sim/command"),
         message: "Command",
+        when: "reset, pause, step, quality, late steps that were put off, device bounds, places that bodies are sent to, with the tick after which they act",
         decode: |data| {
             let command = pb::Command::decode(data)?;
             let after_tick = command.after_tick;
@@ -91,6 +96,7 @@ const ROWS: &[ChannelRow] = &[
         topic: Topic::Event,
         name: Name::Whole("/sim/event"),
         message: "Event",
+        when: "tools that join and leave, faults, overruns, scene changes",
         decode: |data| {
             let pb::Event { tick, kind, detail } = pb::Event::decode(data)?;
             Ok(Happening::Event(EventRecord { tick, kind, detail }))
@@ -100,6 +106,7 @@ const ROWS: &[ChannelRow] = &[
         topic: Topic::Stats,
         name: Name::Whole("/sim/stats"),
         message: "Stats",
+        when: "ten times a second: stage times, late and skipped ticks, losses",
         decode: |data| {
             let tick = pb::Stats::decode(data)?.tick;
             Ok(Happening::other(Topic::Stats, tick, data))
@@ -109,6 +116,7 @@ const ROWS: &[ChannelRow] = &[
         topic: Topic::Net,
         name: Name::PerBody("/body/", "/net"),
         message: "ControlNet",
+        when: "on change, at most 30 times a second, and after each keyframe",
         decode: |data| {
             let net = pb::ControlNet::decode(data)?;
             Ok(Happening::Net(NetRecord {
@@ -123,12 +131,28 @@ const ROWS: &[ChannelRow] = &[
         topic: Topic::Inputs,
         name: Name::Whole("/sim/inputs"),
         message: "Inputs",
+        when: "alone, in a recording [reduced to its inputs](replay.md#inputs-and-hashes)",
         decode: |data| {
             let block = InputBlock::from_proto(&pb::Inputs::decode(data)?)?;
             Ok(Happening::Inputs(block))
         },
     },
 ];
+
+/// The table of the guide: topic, message, when, one line a channel, as Markdown.
+pub fn channel_table() -> String {
+    let line = |row: &ChannelRow| {
+        let name = match row.name {
+            Name::Whole(whole) => whole.to_owned(),
+            Name::PerBody(before, after) => format!("{before}{{id}}{after}"),
+        };
+        format!(
+            "| `{name}` | `palpate.v1.{}` | {} |\n",
+            row.message, row.when
+        )
+    };
+    ROWS.iter().map(line).collect()
+}
 
 impl Topic {
     /// Those of a whole recording.

@@ -37,7 +37,7 @@ mod thin;
 mod totals;
 mod views;
 
-pub use channel::{EventRecord, Happening, Keyframe, NetRecord, OtherRecord, Topic};
+pub use channel::{EventRecord, Happening, Keyframe, NetRecord, OtherRecord, Topic, channel_table};
 pub use disk::{Disk, DiskFile, DiskSync, DiskTask, FileSystem};
 pub use disk::{create_new, give_name};
 pub use export::{

@@ -3,11 +3,10 @@
 use super::super::Outcome;
 use super::Args;
 use anyhow::Context as _;
-use palpate_adapters::haply::{DEFAULT_URI, HaplyEnd};
 use palpate_adapters::haply_service::{self, Pace};
 use palpate_adapters::ros2::{guard_crtk, simulate_arm};
 use palpate_adapters::simulated::SimulatedHand;
-use palpate_adapters::{Coupling, couple};
+use palpate_adapters::{Coupling, HARDWARE, Hardware, couple};
 use palpate_client::device::{Hand, Motion, SimulatedDevice};
 use palpate_client::proto::messages::{DeviceInfo, SceneSnapshot};
 use palpate_devices::{Cap, Coupler, CouplerSettings};
@@ -22,11 +21,11 @@ use std::time::Duration;
 #[group(id = "adapters", multiple = true)]
 pub struct AdapterArgs {
     /// Move the tool with this hardware instead of a simulated device: haply.
-    #[arg(long, value_name = "KIND", value_parser = ["haply"], requires = "tool")]
+    #[arg(long, value_name = "KIND", value_parser = kinds(), requires = "tool")]
     pub hardware: Option<String>,
-    /// Address of the Haply Inverse Service.
-    #[arg(long, default_value = DEFAULT_URI, requires = "hardware")]
-    uri: String,
+    /// Address of the software of its maker [default of haply: ws://localhost:10001].
+    #[arg(long, requires = "hardware")]
+    uri: Option<String>,
     /// Device to use, where the service has several.
     #[arg(long, value_name = "ID", requires = "hardware")]
     device_id: Option<String>,
@@ -50,6 +49,11 @@ pub struct AdapterArgs {
     /// ROS namespace of the arm, with --as crtk or --guard crtk.
     #[arg(default_value = "/arm")]
     namespace: String,
+}
+
+/// Names of hardware.
+fn kinds() -> clap::builder::PossibleValuesParser {
+    clap::builder::PossibleValuesParser::new(HARDWARE.iter().map(|kind| kind.name))
 }
 
 /// Set by Ctrl-C.
@@ -77,28 +81,20 @@ pub fn drive(args: &Args) -> anyhow::Result<Outcome> {
     let adapter = &args.adapter;
     let tool_id = args.tool.as_deref().context("--tool is missing")?;
     let cap = cap(adapter)?;
-    let mut device = HaplyEnd::connect(
-        &adapter.uri,
+    let named = |kind: &&Hardware| adapter.hardware.as_deref() == Some(kind.name);
+    let kind = (HARDWARE.iter().find(named)).context("--hardware is missing")?;
+    let address = adapter.uri.as_deref().unwrap_or(kind.address);
+    let reached = (kind.connect)(
+        address,
         adapter.device_id.as_deref(),
         args.connection.insecure,
-    )?;
+    );
+    let mut device = reached.map_err(|error| anyhow::anyhow!(error))?;
     let palpate = args.connection.open()?;
     let mut tool = palpate.tool(tool_id)?;
     let info = DeviceInfo {
-        name: format!("haply {}", device.device_id()),
-        dof_force: 3,
-        dof_torque: 0,
-        workspace: [0.0; 3],
         force_max: cap.force_n,
-        force_continuous: 0.0,
-        torque_max: 0.0,
-        mass: 0.0,
-        damping: 0.0,
-        coulomb_friction: 0.0,
-        encoder_resolution: 0.0,
-        rate_hz: 0.0,
-        delay_s: 0.0,
-        deadband: 0.0,
+        ..device.info.clone()
     };
     super::announce(&palpate, &mut tool, tool_id, &info)?;
     let coupler = Coupler::new(CouplerSettings {
@@ -109,7 +105,7 @@ pub fn drive(args: &Args) -> anyhow::Result<Outcome> {
     });
     let stop = stop_after(args.duration);
     let report = couple(
-        &mut device,
+        &mut *device.end,
         &mut tool,
         Coupling {
             coupler,
@@ -130,14 +126,14 @@ pub fn drive(args: &Args) -> anyhow::Result<Outcome> {
         println!(
             "{}",
             serde_json::json!({
-                "device": device.device_id(), "poses": report.readings, "refused": report.refused,
+                "device": device.id, "poses": report.readings, "refused": report.refused,
                 "forces": report.commands, "peak_force_n": report.peak_force_n, "rate_hz": report.rate_hz,
             })
         );
     } else {
         println!(
             "device {}: {} poses sent, {} refused, {} forces passed on, peak {:.4} N, {:.0} Hz",
-            device.device_id(),
+            device.id,
             report.readings,
             report.refused,
             report.commands,
