@@ -1,4 +1,7 @@
 //! Texts are sent compressed to who takes that: the page's script is a third of its size over a network.
+//!
+//! Files of the page are compressed once, and aside. The layer of `tower-http` compresses each answer anew on the thread
+//! that serves, which health checks wait for.
 
 use axum::body::{Bytes, to_bytes};
 use axum::extract::{Request, State};

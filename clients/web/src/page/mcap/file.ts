@@ -2,7 +2,8 @@
  * MCAP: the container of recordings. https://mcap.dev/spec
  *
  * A finished file is opened through the index at its end, whatever its length. One that was cut off (a killed daemon) is
- * gone through once, record by record; what is whole of it is used.
+ * gone through once, record by record; what is whole of it is used. `@mcap/core` has a reader for each of the two: the
+ * indexed one refuses a file that was cut off, and the one for streams gives no places to go back to.
  */
 
 import { decompress } from "fzstd";
