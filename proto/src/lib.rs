@@ -15,6 +15,7 @@ pub mod foxglove;
 pub mod keys;
 pub mod layout;
 pub mod messages;
+mod pose;
 #[cfg(feature = "recording")]
 pub mod recording;
 pub mod rpc;

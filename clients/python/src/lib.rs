@@ -11,6 +11,7 @@
 
 mod arrays;
 mod batch;
+mod built;
 mod client;
 mod closest;
 mod columns;
