@@ -2,9 +2,9 @@
 //!
 //! `cargo run --example recording_test`
 
-use palpate::recording::{Contents, Session, replay};
 use palpate_client::pose_at;
 use palpate_client::testing::TestSession;
+use palpate_record::{Contents, Session, replay};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 

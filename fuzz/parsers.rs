@@ -216,7 +216,7 @@ pub fn messages(bytes: &[u8]) {
 
 /// A sequence of messages into a loop in lockstep: what a state of the loop makes of the next one.
 pub fn bus(bytes: &[u8]) {
-    if let Err(what) = palpate::faults::messages(bytes) {
+    if let Err(what) = palpate_faults::messages(bytes) {
         panic!("{what}");
     }
 }
@@ -238,7 +238,7 @@ pub fn devices(bytes: &[u8]) {
 
 /// A recording.
 pub fn session(bytes: &[u8]) {
-    use palpate::recording::{Contents, Session, computed_info, info};
+    use palpate_record::{Contents, Session, computed_info, info};
     if let Ok(session) = Session::parse_any(Path::new("session.mcap"), bytes) {
         // From the index where there is one, and from the chunks; both must come to an end.
         let _ = (info(&session), computed_info(&session));
@@ -347,7 +347,7 @@ fn message_seeds() -> Vec<Vec<u8>> {
 }
 
 fn bus_seeds() -> Vec<Vec<u8>> {
-    use palpate::faults::sequence;
+    use palpate_faults::sequence;
     let device = include_bytes!("../proto/golden/device_info.bin");
     let pose = include_bytes!("../proto/golden/tool_pose.bin");
     let command = |method: &str, arguments: &str| {

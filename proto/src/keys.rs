@@ -191,6 +191,14 @@ pub fn parse_live(key: &str) -> Option<(&str, &str, &str)> {
     chunks.next().is_none().then_some(parsed)
 }
 
+/// Enough of the id that a client attaches to its poses to tell clients apart, as text.
+pub fn short_id(id: &[u8]) -> String {
+    // First comes the session, last the number of the call in it.
+    let tail = id.len().saturating_sub(4).max(4).min(id.len());
+    let bytes = id.iter().take(4).chain(&id[tail..]);
+    bytes.map(|byte| format!("{byte:02x}")).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -24,4 +24,5 @@ pub mod text;
 pub mod watchdog;
 
 pub use device::DeviceError;
+pub use pose::pose_at;
 pub use watchdog::Watchdog;

@@ -1,4 +1,4 @@
-//! What a pose may be.
+//! What a pose may be, and poses that a program makes up.
 
 use crate::decode_error::PoseError;
 use crate::messages::ToolPose;
@@ -27,5 +27,19 @@ impl ToolPose {
             *x /= norm;
         }
         Ok(self)
+    }
+}
+
+/// A pose at rest at a place, unrotated. Its `seq` and time are set when it is sent.
+pub fn pose_at(position: [f64; 3]) -> ToolPose {
+    ToolPose {
+        seq: 0,
+        t_client_ns: 0,
+        position,
+        orientation: [0.0, 0.0, 0.0, 1.0],
+        linear_velocity: [0.0; 3],
+        angular_velocity: [0.0; 3],
+        buttons: 0,
+        flags: 0,
     }
 }

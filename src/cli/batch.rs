@@ -2,8 +2,8 @@
 
 use super::Outcome;
 use super::waiting::Progress;
-use crate::batch::{Cache, Format, Settings, Sweep, Table};
 use anyhow::Context as _;
+use palpate_experiment::batch::{Cache, Format, Settings, Sweep, Table};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::time::Duration;

@@ -3,9 +3,9 @@
 use super::Outcome;
 use super::page::open_in_browser;
 use super::serve::{Common, RecordArgs, outcome, serve, summary};
-use crate::recording::{Session, default_path, info};
 use anyhow::Context as _;
 use palpate_client::device::run::RunReport;
+use palpate_record::{Session, default_path, info};
 use palpate_sim::scene::file;
 use std::net::TcpListener;
 use std::path::Path;

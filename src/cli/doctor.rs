@@ -103,7 +103,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     // A thread of its own: what it is granted ends with it.
     let measured = std::thread::spawn(move || {
         let plain = rate::lateness_ns(timer_ticks);
-        let privileges = crate::drive::pacer::ask_privileges();
+        let privileges = palpate_drive::pacer::ask_privileges();
         let asked = rate::lateness_ns(timer_ticks);
         let scenes: Vec<_> = scenes
             .into_iter()

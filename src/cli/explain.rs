@@ -1,8 +1,8 @@
 //! `palpate explain`: why the forces of a recorded tick are what they are.
 
 use super::Outcome;
-use crate::recording::{Session, explain};
 use palpate_proto::messages::force_flags;
+use palpate_record::{Session, explain};
 use palpate_sim::body::FallBack;
 use palpate_sim::tick::explain::{
     BodyExplained, Explanation, RowExplained, SolveExplained, ToolExplained,

@@ -2,8 +2,8 @@
 
 use super::connection::Connection;
 use super::{Outcome, text};
-use crate::drive::stats::Histogram;
 use palpate_client::Seen;
+use palpate_drive::stats::Histogram;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};

@@ -1,8 +1,8 @@
 //! `palpate info`: a recording at a glance.
 
 use super::Outcome;
-use crate::recording::{Session, computed_info, info};
 use palpate_proto::text::printable;
+use palpate_record::{Session, computed_info, info};
 use std::path::PathBuf;
 
 #[derive(clap::Args, Debug)]

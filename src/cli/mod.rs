@@ -25,7 +25,6 @@ mod numbers;
 mod page;
 mod plan;
 mod play;
-mod pressing;
 mod probe;
 mod recover;
 mod relay;
@@ -40,10 +39,10 @@ mod text;
 mod view;
 mod waiting;
 
-use crate::recording::InputsError;
 use crate::transport::threads_for_many_clients;
 use clap::{CommandFactory, Parser, Subcommand};
 use palpate_proto::text::printable;
+use palpate_record::InputsError;
 use std::process::ExitCode;
 
 /// Haptic simulation of deforming B-spline surfaces at 1 kHz, over Zenoh, with exact replay.

@@ -1,8 +1,8 @@
 //! Serving the page: what `serve`, `demo` and `play` share.
 
-use crate::adapters::rosbridge;
 use crate::transport::ViewSink;
 use crate::viewer::{Viewer, ViewerSettings};
+use palpate_adapters::rosbridge;
 use palpate_client::links::is_loopback;
 use palpate_sim::scene::Scene;
 use std::net::SocketAddr;

@@ -2,13 +2,13 @@
 
 use super::Outcome;
 use super::keys::{Key, Keys};
-use crate::drive::playback::{PlayRequest, playback};
-use crate::drive::ports::ports;
-use crate::recording::{PlayReport, PlaySettings, Player, Session, played_scene};
 use crate::transport::{
     Bus, BusSettings, Role, SessionSettings, default_listen, open_told, patience,
 };
 use crate::viewer::Viewer;
+use palpate_drive::playback::{PlayRequest, playback};
+use palpate_drive::ports::ports;
+use palpate_record::{PlayReport, PlaySettings, Player, Session, played_scene};
 use sha2::Digest as _;
 use std::path::PathBuf;
 use std::sync::Arc;

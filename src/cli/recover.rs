@@ -1,7 +1,7 @@
 //! `palpate recover`: what a killed daemon left, as a finished file.
 
 use super::Outcome;
-use crate::recording::recover;
+use palpate_record::recover;
 use std::path::PathBuf;
 
 #[derive(clap::Args, Debug)]

@@ -2,11 +2,11 @@
 
 use super::Outcome;
 use super::waiting::Progress;
-use crate::recording::{
+use anyhow::Context as _;
+use palpate_record::{
     Deviation, Figures, HashDifference, ReplayOptions, ReplayReport, Session, Simulation, Start,
     deviations, record_again, replay_with, simulate,
 };
-use anyhow::Context as _;
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]

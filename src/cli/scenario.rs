@@ -1,8 +1,8 @@
 //! `palpate scenario`: scenes with hands and measures, run headless, with what the source says.
 
 use super::{Outcome, text, view};
-use crate::scenario::{NAMES, Scenario, Settings};
 use anyhow::Context as _;
+use palpate_experiment::scenario::{NAMES, Scenario, Settings};
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::time::Duration;

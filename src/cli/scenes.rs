@@ -1,8 +1,8 @@
 //! Scenes inside the program: `builtin:NAME`, `palpate scenes`, `palpate new NAME`.
 
 use super::Outcome;
-use crate::scenario::SCENES as BUILTIN;
 use anyhow::Context as _;
+use palpate_experiment::scenario::SCENES as BUILTIN;
 use palpate_sim::scene::Scene;
 use palpate_sim::scene::file::{self, Loaded};
 use std::path::{Path, PathBuf};

@@ -7,24 +7,24 @@ mod watchdog;
 pub use ready::summary;
 
 use super::{Outcome, text};
-use crate::adapters::igtl::Igtl;
-use crate::adapters::ros2::{Plan, Ros2};
-use crate::drive::driver::{self, DriverReport, DriverSettings};
-use crate::drive::editor::Editor;
-use crate::drive::journal::Journal;
-use crate::drive::ports::ports;
 use crate::editing::SceneEditor;
 use crate::fleet::{self, Agones};
-use crate::recording::{
-    Recorder, RecorderSettings, RecordingReport, SelfCheck, SelfCheckReport, Split, default_path,
-};
 use crate::transport::{
-    AdapterCounts, Bus, BusSettings, Health, Role, SessionSettings, daemon_of, default_listen,
-    is_taken, open_told, patience,
+    Bus, BusSettings, Health, Role, SessionSettings, daemon_of, default_listen, is_taken,
+    open_told, patience,
 };
 use crate::viewer::Viewer;
 use anyhow::Context as _;
+use palpate_adapters::igtl::Igtl;
+use palpate_adapters::ros2::{Plan, Ros2};
+use palpate_drive::driver::{self, DriverReport, DriverSettings};
+use palpate_drive::editor::Editor;
+use palpate_drive::journal::Journal;
+use palpate_drive::ports::ports;
 use palpate_proto::keys::Keys;
+use palpate_record::{
+    Recorder, RecorderSettings, RecordingReport, SelfCheck, SelfCheckReport, Split, default_path,
+};
 use palpate_sim::scene::spec::{Clock, SceneSpec};
 use palpate_sim::scene::{Scene, file, inline_files};
 use std::collections::BTreeMap;
@@ -321,7 +321,7 @@ pub fn serve(
         None => Some(Box::new(SceneEditor::start(recorder.changes())?) as Box<dyn Editor>),
         Some(_) => None,
     };
-    let counts = AdapterCounts::default();
+    let counts = palpate_adapters::AdapterCounts::default();
     let bus = Bus::start(
         session,
         bus_ports,

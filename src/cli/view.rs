@@ -3,9 +3,9 @@
 use super::Outcome;
 use super::page::{PageArgs, open_in_browser};
 use super::text;
-use crate::recording::{Session, recorded_scene};
 use crate::viewer::{RecordingsViewer, ViewerSettings, html_page};
 use anyhow::Context as _;
+use palpate_record::{Session, recorded_scene};
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::channel;

@@ -11,10 +11,10 @@ mod isolate;
 mod merge;
 mod truncate;
 
-use crate::drive::editor::{Edit, EditNews, EditRequest, Editor, Standing};
-use crate::drive::swap::Swap;
-use crate::recording::SceneChanges;
+use palpate_drive::editor::{Edit, EditNews, EditRequest, Editor, Standing};
+use palpate_drive::swap::Swap;
 use palpate_geometry::surface::Surface;
+use palpate_record::SceneChanges;
 use palpate_sim::scene::{Scene, SceneChange};
 use palpate_sim::tick::CarryOver;
 use sha2::Digest as _;

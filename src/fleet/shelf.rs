@@ -3,7 +3,7 @@
 //! A request names a scene of this list. No path is ever made from what a request says, so that none leads
 //! out of the folder.
 
-use crate::scenario::SCENES;
+use palpate_experiment::scenario::SCENES;
 use std::fs::File;
 use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};

@@ -3,8 +3,8 @@
 //! A client says with each pose, after its id in the attachment, how many forces have come and which was the
 //! newest ([`Receipt`]). Clients that say nothing are not counted here.
 
-use crate::drive::ports::SenderId;
-use crate::drive::stats::Histogram;
+use palpate_drive::ports::SenderId;
+use palpate_drive::stats::Histogram;
 use std::collections::VecDeque;
 use std::sync::{Mutex, PoisonError};
 use zenoh::bytes::ZBytes;

@@ -1,13 +1,13 @@
 //! Contacts of all tools and bodies, as often as people can follow them.
 
 use super::view::View;
-use crate::wire;
 use palpate_client::publisher;
 use palpate_proto::codec::encode;
 use palpate_proto::keys::Keys;
 use palpate_proto::messages::ContactSet;
 use palpate_sim::scene::Scene;
 use palpate_sim::tick::record::TickOutput;
+use palpate_wire as wire;
 use std::time::{Duration, Instant};
 use zenoh::Wait;
 use zenoh::pubsub::Publisher;

@@ -3,13 +3,13 @@
 use super::deadband::Deadband;
 use super::events::Events;
 use super::link::LoopLink;
-use crate::drive::ports::SenderId;
-use crate::wire;
+use palpate_drive::ports::SenderId;
 use palpate_proto::codec::{check_head, decode};
 use palpate_proto::messages::{DeviceInfo, EventKind};
 use palpate_sim::haptics::DeviceBounds;
 use palpate_sim::scene::Scene;
 use palpate_sim::tick::record::{Command, ToolOutput};
+use palpate_wire as wire;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use zenoh::bytes::ZBytes;

@@ -3,12 +3,12 @@
 use super::answers::{reply, reply_refused};
 use super::history::History;
 use super::post::{Asked, Post};
-use crate::drive::archive::Archive;
-use crate::wire;
 use palpate_client::publisher;
+use palpate_drive::archive::Archive;
 use palpate_proto::codec::encode;
 use palpate_proto::keys::Keys;
 use palpate_proto::messages::{EventKind, SimEvent};
+use palpate_wire as wire;
 use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
 use zenoh::pubsub::Publisher;

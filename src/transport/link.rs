@@ -1,7 +1,7 @@
 //! The bus's ends of what goes to the loop, and of what comes back for it.
 
-use crate::drive::ports::{CommandRequest, Receipt};
-use crate::drive::swap::Swap;
+use palpate_drive::ports::{CommandRequest, Receipt};
+use palpate_drive::swap::Swap;
 use palpate_sim::tick::record::Command;
 use std::sync::{Arc, OnceLock};
 use std::thread::Thread;

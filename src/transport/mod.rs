@@ -9,6 +9,7 @@ mod budget;
 mod bus;
 mod clients;
 mod contacts;
+mod counters;
 mod deadband;
 mod declared;
 mod desk;
@@ -39,9 +40,9 @@ pub use budget::{patience, threads_for_many_clients};
 pub use bus::{Bus, BusReport, BusSettings};
 pub use clients::ClientCounts;
 pub use health::Health;
-pub use metrics::{AdapterCount, AdapterCounts, LoopMetrics};
+pub use metrics::LoopMetrics;
 pub use rate::{RateNews, RateWatch};
-pub(crate) use rpc::loop_command;
+pub use rpc::loop_command;
 pub use session::{
     Access, DEFAULT_ENDPOINT, DEFAULT_SECURE_ENDPOINT, Open, Role, SessionError, SessionSettings,
     daemon_of, default_listen, is_taken, open, open_told,

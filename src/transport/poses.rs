@@ -4,10 +4,10 @@
 //! become a flood of lines.
 
 use super::declared::schema_of;
-use crate::drive::ports::{LinkCounters, Offered, PoseInbox, SenderId};
-use crate::wire;
+use palpate_drive::ports::{LinkCounters, Offered, PoseInbox, SenderId};
 use palpate_proto::codec::{DecodeError, PoseError, check_head, decode};
 use palpate_proto::messages::ToolPose;
+use palpate_wire as wire;
 use zenoh::bytes::{Encoding, ZBytes};
 
 /// Decodes, checks, stores. What is too long is not even copied. True if the loop gets it.

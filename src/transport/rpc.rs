@@ -9,9 +9,9 @@ use super::link::LoopLink;
 use super::nets::Nets;
 use super::post::Asked;
 use super::states;
-use crate::drive::archive::{ArchiveNews, ArchiveRequest};
-use crate::drive::editor::Edit;
-use crate::drive::playback::{PlayNews, PlayRequest, PlayerEnd};
+use palpate_drive::archive::{ArchiveNews, ArchiveRequest};
+use palpate_drive::editor::Edit;
+use palpate_drive::playback::{PlayNews, PlayRequest, PlayerEnd};
 use palpate_geometry::cut::CutPlane;
 use palpate_geometry::math::{Point3, Rotation, Vector3};
 use palpate_proto::messages::{EventKind, LoopState};
@@ -278,7 +278,7 @@ impl Rpc {
 }
 
 /// What a call asks of the loop; `None` if it asks someone else.
-pub(crate) fn loop_command(call: &Call, scene: &Scene) -> Option<Result<Command, String>> {
+pub fn loop_command(call: &Call, scene: &Scene) -> Option<Result<Command, String>> {
     Some(match call {
         Call::Reset => Ok(Command::Reset),
         Call::Pause => Ok(Command::Pause),

@@ -1,6 +1,6 @@
 //! What the loop does and how well, as clients see it: what changes make of it.
 
-use crate::drive::overload::{CAUSES, QUIET};
+use palpate_drive::overload::{CAUSES, QUIET};
 use palpate_proto::messages::{EventKind, LoopState};
 use palpate_sim::tick::record::Command;
 

@@ -1,14 +1,14 @@
 //! What the loop did, counted: events when something changes, and the status.
 
+use super::counters;
 use super::events::Events;
 use super::forces::ForceCounts;
 use super::states::{cause_name, quality_reason};
-use crate::drive::journal::JournalGauges;
-use crate::drive::overload::CAUSES;
-use crate::drive::ports::{LinkCounters, LoopCounters, PoseInbox};
-use crate::drive::stats::{Histogram, LATE_NS};
-use crate::wire;
 use palpate_client::publisher;
+use palpate_drive::journal::JournalGauges;
+use palpate_drive::overload::CAUSES;
+use palpate_drive::ports::{LinkCounters, LoopCounters, PoseInbox};
+use palpate_drive::stats::{Histogram, LATE_NS};
 use palpate_proto::codec::encode;
 use palpate_proto::keys::Keys;
 use palpate_proto::messages::{EventKind, LoopState, LoopStatus, RecorderState, ToolLink};
@@ -333,8 +333,8 @@ impl LoopTally {
     /// Ends a status period: quantiles are of what was counted since the last one.
     pub(super) fn end_period(&mut self, scene: &Scene, events: &mut Events) {
         self.tell_overruns(scene, events);
-        self.status.period = wire::quantiles(&self.period);
-        self.status.step = wire::quantiles(&self.step);
+        self.status.period = counters::quantiles(&self.period);
+        self.status.step = counters::quantiles(&self.step);
         self.period.clear();
         self.step.clear();
     }
@@ -357,7 +357,7 @@ impl LoopTally {
         let link = |(t, forces): (usize, &ForceCounts)| {
             let tally = &self.tools[t];
             let counters: &LinkCounters = &self.gauges.poses[t].counters;
-            let link = wire::tool_link(
+            let link = counters::tool_link(
                 scene.tool_id(t),
                 counters,
                 tally.jumps,
@@ -373,7 +373,7 @@ impl LoopTally {
         };
         self.status.tools = forces.iter().enumerate().map(link).collect();
         if let Some(recorder) = &self.gauges.recorder {
-            self.status.recorder = wire::recorder_state(recorder.state.load(Ordering::Relaxed));
+            self.status.recorder = counters::recorder_state(recorder.state.load(Ordering::Relaxed));
             self.status.recorder_bytes = recorder.bytes.load(Ordering::Relaxed);
             self.status.recorder_drops = recorder.dropped.load(Ordering::Relaxed);
         }

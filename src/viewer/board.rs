@@ -7,8 +7,8 @@
 //! The lock is held for as long as it takes to count references up, never while something is sent.
 
 use super::frames::frame;
-use crate::wire::is_nodes_key;
 use axum::body::Bytes;
+use palpate_wire::is_nodes_key;
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};

@@ -4,9 +4,9 @@ use super::board::{Board, Lasts};
 use super::frames::key_of;
 use super::holders::Holders;
 use crate::transport::{Health, LoopMetrics, ViewSink};
-use crate::wire::tool_outlines;
 use palpate_proto::messages::{DeviceInfo, SceneSnapshot, SimEvent};
 use palpate_sim::scene::Scene;
+use palpate_wire::tool_outlines;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Takes messages for pages.

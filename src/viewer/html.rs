@@ -1,12 +1,12 @@
 //! A recording as one page that opens from disk: bundle and data in one file.
 
-use super::server::bundle;
-use crate::recording::{Session, thinned};
-use crate::wire::{first_snapshot, tool_outlines};
+use super::files::bundle;
 use base64::Engine as _;
 use base64::prelude::BASE64_STANDARD;
 use palpate_proto::codec::encode;
+use palpate_record::{Session, thinned};
 use palpate_sim::scene::Scene;
+use palpate_wire::{first_snapshot, tool_outlines};
 use sha2::Digest as _;
 
 /// Why no page could be made.
@@ -14,7 +14,7 @@ use sha2::Digest as _;
 pub enum HtmlError {
     /// The recording.
     #[error(transparent)]
-    Recording(#[from] crate::recording::RecoverError),
+    Recording(#[from] palpate_record::RecoverError),
     /// The page of this build cannot take data.
     #[error(
         "the page of this build has no {missing:?}: its bundle was not made by clients/web; build it with \

@@ -10,39 +10,34 @@
 
 mod board;
 mod feed;
+mod files;
 mod foxglove;
 mod frames;
-mod guard;
-mod gzip;
 mod hands;
 mod health;
 mod holders;
 mod html;
-mod listener;
 mod neighbours;
 mod recordings;
-mod server;
 mod session;
 mod socket;
 mod steady;
 
 pub use feed::Feed;
-pub(crate) use guard::Hosts;
 pub use html::{HtmlError, html_page};
-pub use listener::Peer;
 pub use recordings::RecordingsViewer;
-pub(crate) use server::Server;
 
-use crate::wire::{bodies_inside, tool_outlines};
 use axum::Router;
 use axum::routing::get;
 use board::Board;
 use foxglove::Foxglove;
 use holders::Holders;
 use neighbours::Neighbours;
+use palpate_http::{Hosts, Server};
 use palpate_proto::keys::Keys;
 use palpate_sim::scene::Scene;
 use palpate_sim::scene::spec::Clock;
+use palpate_wire::{bodies_inside, tool_outlines};
 use session::SessionInfo;
 use std::collections::BTreeMap;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
@@ -194,7 +189,7 @@ impl Viewer {
             .route("/tools.json", get(tools))
             .route("/inside.json", get(inside))
             .merge(health::routes(feed.health.clone()))
-            .merge(server::files())
+            .merge(files::files())
             .route("/foxglove", get(foxglove::open).with_state(views.clone()))
             .merge(others);
         let hosts = Hosts {
@@ -235,7 +230,7 @@ impl Viewer {
     /// Where Foxglove and Lichtblick connect, if they have a port of their own.
     pub fn foxglove_url(&self) -> Option<String> {
         let server = self.foxglove.as_ref()?;
-        Some(format!("ws://{}", server.address))
+        Some(format!("ws://{}", server.address()))
     }
 }
 

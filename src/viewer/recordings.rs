@@ -1,19 +1,19 @@
 //! The page of recordings: files by ranges, and what their scenes look like.
 
-use super::guard::Hosts;
-use super::server::{self, Server};
+use super::files;
 use super::session::{ListedRecording, SessionInfo, json};
 use super::{ViewerError, ViewerSettings, listen};
-use crate::recording::{Session, recorded_scene};
-use crate::wire::{bodies_inside, first_snapshot, tool_outlines};
 use axum::Router;
 use axum::body::{Body, Bytes};
 use axum::extract::{Path as UrlPath, State};
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
+use palpate_http::{Hosts, Server};
 use palpate_proto::codec::encode;
 use palpate_proto::text::printable;
+use palpate_record::{Session, recorded_scene};
+use palpate_wire::{bodies_inside, first_snapshot, tool_outlines};
 use sha2::Digest as _;
 use std::fs::File;
 use std::io::{Read as _, Seek as _, SeekFrom};
@@ -71,7 +71,7 @@ impl RecordingsViewer {
             .route("/recordings/{number}/scene", get(scene))
             .route("/healthz", get(|| async { "ok\n" }))
             .with_state(all)
-            .merge(server::files());
+            .merge(files::files());
         let hosts = Hosts {
             names: settings.hosts.clone().into(),
             ..Hosts::default()

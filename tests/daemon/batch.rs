@@ -2,8 +2,8 @@
 
 use crate::daemon::{Daemon, PROGRAM, device, free_port};
 use crate::scenes::SOFT_DROP;
-use palpate::batch::{Cache, Settings, Sweep, Table};
 use palpate_client::proto::rpc::Call;
+use palpate_experiment::batch::{Cache, Settings, Sweep, Table};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Command;

@@ -5,7 +5,7 @@
 use crate::daemon::Daemon;
 use crate::golden::{golden, made_again};
 use crate::scenes::RIGID_TEARDROP;
-use palpate::recording::{Session, info};
+use palpate_record::{Session, info};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -2,10 +2,10 @@
 
 use crate::daemon::{Daemon, PROGRAM, device};
 use crate::scenes::SOFT_DROP as SCENE;
-use palpate::recording::{Session, replay};
 use palpate_client::proto::messages::EventKind;
 use palpate_client::proto::rpc::Call;
 use palpate_client::{Connect, Palpate, pose_at};
+use palpate_record::{Session, replay};
 use std::net::TcpListener;
 use std::path::Path;
 use std::process::{Command, Stdio};

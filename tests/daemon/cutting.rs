@@ -1,11 +1,11 @@
 //! Bodies that deform, cut by a plane or by a tool while they run, recorded and replayed.
 
 use crate::editing::{ids, refused, replays};
-use palpate::recording::{Session, recorded_scene};
 use palpate_client::proto::messages::{EventKind, ToolForce};
 use palpate_client::proto::rpc::{Call, PlaneArgument};
 use palpate_client::testing::TestSession;
 use palpate_client::{Palpate, Tool, pose_at};
+use palpate_record::{Session, recorded_scene};
 use serde_json::Value;
 use std::path::Path;
 use std::time::{Duration, Instant};

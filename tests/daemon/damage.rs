@@ -3,12 +3,12 @@
 use crate::live::{Live, SOFT, bits, record};
 use crate::scenes::RIGID;
 use mcap::records::{MessageHeader, Record};
-use palpate::drive::journal::Journal;
-use palpate::recording::{
+use palpate_drive::journal::Journal;
+use palpate_proto::recording as pb;
+use palpate_record::{
     Contents, ReadError, Recorder, RecorderSettings, RecoverError, Session, WriteError, info,
     recover, replay,
 };
-use palpate_proto::recording as pb;
 use palpate_sim::scene::{Scene, file};
 use palpate_sim::tick::record::{Command, TickRecord};
 use prost::Message as _;

@@ -3,8 +3,8 @@
 //! The first word after the fence is the language, the rest says what a block is. Rust blocks are
 //! doctests of the library (`src/lib.rs`).
 
-use palpate::batch::Sweep;
 use palpate_client::device::{DeviceModel, Hand};
+use palpate_experiment::batch::Sweep;
 use palpate_modeling::branch::Tree;
 use palpate_sim::scene::{Scene, file};
 use std::path::{Path, PathBuf};

@@ -1,11 +1,11 @@
 //! Scenes edited while they run: merge, isolate and truncate, asked for by a client, under a tool that
 //! presses, recorded and replayed.
 
-use palpate::recording::{Session, replay};
 use palpate_client::proto::messages::EventKind;
 use palpate_client::proto::rpc::Call;
 use palpate_client::testing::TestSession;
 use palpate_client::{Palpate, pose_at};
+use palpate_record::{Session, replay};
 use std::path::Path;
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_palpate");

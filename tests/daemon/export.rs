@@ -1,12 +1,12 @@
 //! Recordings for other programs: tables, plots, nets at any tick, and what `info` says.
 
-use crate::common::World;
+use crate::common::{Laws as _, World};
 use crate::session::{RIGID, Script, record, slab};
-use palpate::recording::{
-    Contents, ExportError, Range, Session, computed_info, csv, explain, info, net_at, series,
-};
 use palpate_geometry::exchange::{Format, Pick, read_surface};
 use palpate_geometry::math::Point3;
+use palpate_record::{
+    Contents, ExportError, Range, Session, computed_info, csv, explain, info, net_at, series,
+};
 use palpate_sim::tick::stage::Stage;
 use palpate_sim::tick::{apply, step};
 use std::path::{Path, PathBuf};
@@ -197,7 +197,7 @@ fn a_plot_has_four_panels_with_units_and_every_peak() {
         info(&session).unwrap(),
     );
     for (t, tool) in figures.tools.iter().enumerate() {
-        let most = |curve: &palpate::recording::BucketedCurve| {
+        let most = |curve: &palpate_record::BucketedCurve| {
             curve
                 .pieces
                 .iter()
@@ -575,6 +575,6 @@ fn damaged_files_are_no_reason_to_panic() {
     for tick in [0, 51, 119, u64::MAX - 1, u64::MAX] {
         let _ = net_at(&odd, "slab", tick);
     }
-    let _ = palpate::recording::replay(&odd, 0, |_, _| {});
-    let _ = palpate::recording::simulate_figures(&odd, |_, _| {});
+    let _ = palpate_record::replay(&odd, 0, |_, _| {});
+    let _ = palpate_record::simulate_figures(&odd, |_, _| {});
 }

@@ -1,7 +1,7 @@
 //! The daemon and its client under faults, on a virtual clock: a few dozen seeds of the thousands that
 //! `palpate-bench faults` runs.
 
-use palpate::faults::{Plan, Report, run};
+use palpate_faults::{Plan, Report, run};
 use std::collections::BTreeSet;
 
 /// In memory where there is such a folder: thousands of small files.

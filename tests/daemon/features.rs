@@ -41,3 +41,23 @@ fn cargo_run_and_cargo_test_build_dependencies_with_the_same_features() {
         );
     }
 }
+
+// Who only reads recordings need not build a bus and a server of pages.
+#[test]
+fn the_python_module_builds_without_the_daemon() {
+    let small = features(&[
+        "-p",
+        "palpate-python",
+        "--no-default-features",
+        "-e",
+        "normal,build",
+    ]);
+    let names: BTreeSet<&str> = (small.keys())
+        .filter_map(|package| package.split_once(' '))
+        .map(|(name, _)| name)
+        .collect();
+    assert!(names.contains("palpate-record") && names.contains("pyo3"));
+    for absent in ["palpate", "palpate-client", "axum", "tokio", "zenoh"] {
+        assert!(!names.contains(absent), "{absent}");
+    }
+}

@@ -3,7 +3,7 @@
 //! instructions there is. All but two hold inputs only; hashes and figures of what came of them are
 //! beside each.
 
-use palpate::recording::{Figures, Session, deviations, record_again, simulate};
+use palpate_record::{Figures, Session, deviations, record_again, simulate};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};

@@ -1,15 +1,15 @@
 //! The link between loop and device: lost and found, described, and told no more than a hand can
 //! feel.
 
-use crate::common::World;
+use crate::common::{Laws as _, World};
 use crate::daemon::{Daemon, PROGRAM};
-use palpate::recording::Contents;
 use palpate::transport::{SessionSettings, open};
 use palpate_client::pose_at;
 use palpate_client::proto::codec::decode;
 use palpate_client::proto::messages::{DeviceInfo, EventKind, ToolContact};
 use palpate_client::proto::rpc::Call;
 use palpate_geometry::math::Vector3;
+use palpate_record::Contents;
 use palpate_sim::tick::flags;
 use palpate_sim::tick::record::TickRecord;
 use std::process::{Command, Stdio};

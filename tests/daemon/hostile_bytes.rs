@@ -78,9 +78,9 @@ fn no_reader_panics_on_changed_files() {
 fn a_sequence_of_messages_is_taken_and_comes_to_the_same_bits_twice() {
     let bus = (parsers::TARGETS.iter()).find(|target| target.name == "bus");
     for seed in (bus.unwrap().seeds)() {
-        let told = palpate::faults::messages(&seed).unwrap();
+        let told = palpate_faults::messages(&seed).unwrap();
         println!("{told:?}");
         assert!(told.dropped <= 1 && told.ticks > 200, "{told:?}");
-        assert_eq!(palpate::faults::messages(&seed), Ok(told));
+        assert_eq!(palpate_faults::messages(&seed), Ok(told));
     }
 }

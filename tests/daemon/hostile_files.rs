@@ -4,7 +4,7 @@ use crate::daemon::PROGRAM;
 use crate::live::record;
 use crate::scenes::RIGID;
 use mcap::records::MessageHeader;
-use palpate::recording::{ReadError, Session};
+use palpate_record::{ReadError, Session};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -2,7 +2,7 @@
 //! and say what is missing of them.
 
 use crate::session::{RIGID, Script, record, record_lying, scenes};
-use palpate::recording::{
+use palpate_record::{
     Contents, Figures, Hashes, InputsError, Session, Start, info, record_again, reduce, replay,
     simulate,
 };

@@ -3,9 +3,9 @@
 
 use crate::live::{Live, SOFT, bits};
 use crate::scenes::RIGID;
-use palpate::drive::archive::{Archive, ArchiveNews, ArchiveRequest};
-use palpate::drive::journal::keeping;
-use palpate::recording::{
+use palpate_drive::archive::{Archive, ArchiveNews, ArchiveRequest};
+use palpate_drive::journal::keeping;
+use palpate_record::{
     Contents, Disk, DiskFile, FileSystem, RecorderSettings, RecordingReport, Session, Split,
     WriteError, recover, replay,
 };
@@ -614,7 +614,7 @@ fn refused(path: &Path, split: Split) -> WriteError {
         split,
         ..RecorderSettings::new(RIGID, &loaded.spec).to(path)
     };
-    palpate::recording::Recorder::start(settings, &scene)
+    palpate_record::Recorder::start(settings, &scene)
         .map(|_| ())
         .expect_err("started")
 }

@@ -2,8 +2,8 @@
 
 use crate::common::many_tools;
 use crate::session::{Script, record};
-use palpate::recording::{Session, replay};
 use palpate_proto::recording as pb;
+use palpate_record::{Session, replay};
 use prost::Message as _;
 use std::path::Path;
 

@@ -2,15 +2,15 @@
 
 use crate::daemon::{Daemon, PROGRAM};
 use crate::golden::made_again;
-use palpate::drive::playback::{PlayRequest, playback};
-use palpate::drive::ports::ports;
-use palpate::recording::{
-    Contents, PlayError, PlayReport, PlaySettings, Player, Session, played_scene,
-};
 use palpate_client::proto::messages::{EventKind, LoopState, ToolForce};
 use palpate_client::proto::rpc::Call;
 use palpate_client::{Palpate, pose_at};
+use palpate_drive::playback::{PlayRequest, playback};
+use palpate_drive::ports::ports;
 use palpate_geometry::math::Point3;
+use palpate_record::{
+    Contents, PlayError, PlayReport, PlaySettings, Player, Session, played_scene,
+};
 use palpate_sim::scene::Scene;
 use palpate_sim::tick::SceneState;
 use palpate_sim::tick::record::{TickOutput, TickRecord};

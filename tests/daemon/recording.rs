@@ -3,10 +3,10 @@
 use crate::common::pose;
 use crate::live::{SOFT, bits, in_contact, record};
 use crate::scenes::RIGID;
-use palpate::drive::journal::Journal;
-use palpate::drive::nets::NetPool;
-use palpate::recording::{Contents, Origin, Recorder, RecorderSettings, Session, info, replay};
+use palpate_drive::journal::Journal;
+use palpate_drive::nets::NetPool;
 use palpate_geometry::math::{Rotation, state_hash};
+use palpate_record::{Contents, Origin, Recorder, RecorderSettings, Session, info, replay};
 use palpate_sim::haptics::DeviceBounds;
 use palpate_sim::scene::{Scene, file};
 use palpate_sim::tick::record::{Command, TickInput, TickRecord};

@@ -1,14 +1,14 @@
 //! Levels of replay: bit for bit on any number of threads, workers and whatever the processor
 //! offers (R1 to R3), by figures where bits may differ (R4), and from any state gone back to (R5).
 
-use crate::common::World;
+use crate::common::{Laws as _, World};
 use crate::session::{RIGID, Random, Script, record, record_lying, scenes, slab};
-use palpate::drive::workers::Workers;
-use palpate::recording::{
+use palpate_drive::workers::Workers;
+use palpate_geometry::math::{Point3, SavedState, Vector3, state_hash};
+use palpate_record::{
     Contents, Figures, ReplayOptions, Session, SessionHash, Start, deviations, info, replay,
     replay_with, simulate_figures,
 };
-use palpate_geometry::math::{Point3, SavedState, Vector3, state_hash};
 use palpate_sim::body::{DeformableState, Field};
 use palpate_sim::tick::record::{Command, TickOutput, TickRecord};
 use palpate_sim::tick::{Pipeline, SceneState};
@@ -315,7 +315,7 @@ fn what_is_found_does_not_depend_on_the_number_of_threads() {
             )
             .unwrap();
             assert!(report.realtime_factor > 0.0);
-            palpate::recording::ReplayReport {
+            palpate_record::ReplayReport {
                 realtime_factor: 0.0,
                 jobs: 0,
                 ..report

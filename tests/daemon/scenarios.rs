@@ -1,9 +1,9 @@
 //! Scenarios run, say what they missed, and replay; bodies move by commands of a live daemon.
 
 use crate::daemon::{Daemon, PROGRAM};
-use palpate::recording::{Session, replay};
-use palpate::scenario::{NAMES, Report, Scenario, Settings};
 use palpate_client::pose_at;
+use palpate_experiment::scenario::{NAMES, Report, Scenario, Settings};
+use palpate_record::{Session, replay};
 use palpate_sim::scene::file;
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -1,12 +1,12 @@
 //! A daemon that runs its own ticks again: what it finds, and what it lets be.
 
-use crate::common::World;
+use crate::common::{Laws as _, World};
 use crate::daemon::{Daemon, device};
 use crate::session::{RIGID, Script, scenes};
-use palpate::drive::journal::{Journal, NoJournal};
-use palpate::drive::nets::NetPool;
-use palpate::recording::{SelfCheck, SelfCheckReport};
+use palpate_drive::journal::{Journal, NoJournal};
+use palpate_drive::nets::NetPool;
 use palpate_geometry::math::state_hash;
+use palpate_record::{SelfCheck, SelfCheckReport};
 use palpate_sim::scene::Scene;
 use palpate_sim::tick::record::{Command, TickRecord};
 use palpate_sim::tick::{apply, step};
@@ -21,7 +21,7 @@ fn checked(
     mut hand_over: impl FnMut(&mut TickRecord),
 ) -> SelfCheckReport {
     let mut world = World::new(text);
-    let scene: Arc<Scene> = Arc::new(World::new(text).scene);
+    let scene: Arc<Scene> = World::new(text).scene;
     let (check, mut port) = SelfCheck::start(&scene, every, Box::new(NoJournal)).unwrap();
     port.keyframe(&world.state, state_hash(&world.state));
     let mut nets = NetPool::new(&scene, port.nets_held());

@@ -3,9 +3,9 @@
 
 use crate::daemon::{Daemon, device};
 use crate::scenes::SOFT_DROP as SCENE;
-use palpate::recording::{Contents, Session, info, recover, replay};
 use palpate_client::pose_at;
 use palpate_client::proto::rpc::Call;
+use palpate_record::{Contents, Session, info, recover, replay};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;

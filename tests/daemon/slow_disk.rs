@@ -4,9 +4,9 @@
 use crate::keeping::{answer, answers, holds, news, parts, ticks};
 use crate::live::{Live, SOFT};
 use crate::scenes::RIGID;
-use palpate::drive::archive::{Archive, ArchiveNews, ArchiveRequest};
-use palpate::drive::journal::{Journal as _, keeping};
-use palpate::recording::{
+use palpate_drive::archive::{Archive, ArchiveNews, ArchiveRequest};
+use palpate_drive::journal::{Journal as _, keeping};
+use palpate_record::{
     Contents, Disk, DiskFile, DiskSync, DiskTask, FileSystem, RecorderSettings, Session, Split,
     WriteError, recover, replay,
 };

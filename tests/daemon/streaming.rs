@@ -4,7 +4,7 @@
 use crate::live::{SOFT, bits, record};
 use crate::scenes::RIGID;
 use mcap::records::op;
-use palpate::recording::{
+use palpate_record::{
     Contents, Follower, Happening, Info, Origin, Session, Topic, computed_info, info, recover,
     replay,
 };

@@ -1,8 +1,8 @@
 //! The client's helper for tests of one's own, as its guide shows it.
 
-use palpate::recording::{Contents, Session, replay};
 use palpate_client::pose_at;
 use palpate_client::testing::{TestError, TestSession};
+use palpate_record::{Contents, Session, replay};
 use std::path::Path;
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_palpate");

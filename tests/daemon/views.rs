@@ -3,9 +3,9 @@
 
 use crate::live::{Live, SOFT};
 use crate::scenes::RIGID;
-use palpate::recording::{Contents, RecorderSettings};
 use palpate_proto::foxglove as fox;
 use palpate_proto::recording as pb;
+use palpate_record::{Contents, RecorderSettings};
 use palpate_sim::scene::{Scene, file};
 use prost::Message;
 use std::collections::BTreeMap;

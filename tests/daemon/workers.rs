@@ -1,12 +1,12 @@
 //! Steps on worker threads have the bits of steps on the tick thread.
 
-use crate::common::{World, pose, press};
-use palpate::drive::driver::{Driver, DriverSettings};
-use palpate::drive::pacer::Wake;
-use palpate::drive::ports::{SenderId, ports};
-use palpate::drive::workers::Workers;
-use palpate::recording::{RecorderSettings, Session, SteppedRecorder, info, replay};
+use crate::common::{Laws as _, World, pose, press};
+use palpate_drive::driver::{Driver, DriverSettings};
+use palpate_drive::pacer::Wake;
+use palpate_drive::ports::{SenderId, ports};
+use palpate_drive::workers::Workers;
 use palpate_geometry::math::{Point3, SavedState, Vector3, state_hash};
+use palpate_record::{RecorderSettings, Session, SteppedRecorder, info, replay};
 use palpate_sim::body::{DeformableState, Field};
 use palpate_sim::scene::spec::Clock;
 use palpate_sim::scene::{file, inline_files};

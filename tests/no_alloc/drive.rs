@@ -1,6 +1,6 @@
 //! What runs beside the tick costs its thread no allocation: workers, the self-check.
 
-use crate::common::{World, teardrop};
+use crate::common::{Laws as _, World, teardrop};
 use crate::counting::allocations;
 use palpate_sim::tick::record::Command;
 
@@ -45,7 +45,7 @@ fn a_tick_with_a_worker_beside_it_allocates_nothing() {
     let mut world = World::new(&slab("continuum", "integrator = { every = 4 }"));
     let scene =
         std::sync::Arc::new(World::new(&slab("continuum", "integrator = { every = 4 }")).scene);
-    let workers = palpate::drive::workers::Workers::start(&scene).unwrap();
+    let workers = palpate_drive::workers::Workers::start(&scene).unwrap();
     world
         .scratch
         .set_pipeline(Box::new(workers.expect("a body that steps apart")));
@@ -56,9 +56,9 @@ fn a_tick_with_a_worker_beside_it_allocates_nothing() {
 // whatever contact rows come.
 #[test]
 fn handing_ticks_to_a_self_check_allocates_nothing() {
-    use palpate::drive::journal::{Journal as _, NoJournal};
-    use palpate::drive::nets::NetPool;
-    use palpate::recording::SelfCheck;
+    use palpate_drive::journal::{Journal as _, NoJournal};
+    use palpate_drive::nets::NetPool;
+    use palpate_record::SelfCheck;
     use palpate_sim::tick::record::TickRecord;
     let soft = teardrop(20e3, "\"none\"").replace("stiffness_n_m = inf", "stiffness_n_m = 800.0");
     let text = format!("{soft}friction = {{ mu = 0.4 }}\ngrip = {{ force_max_n = 0.3 }}\n");

@@ -2,9 +2,9 @@
 
 use crate::counting::allocations;
 use crate::live::{Live, SOFT};
-use palpate::drive::archive::ArchiveRequest;
-use palpate::drive::journal::keeping;
-use palpate::recording::RecorderSettings;
+use palpate_drive::archive::ArchiveRequest;
+use palpate_drive::journal::keeping;
+use palpate_record::RecorderSettings;
 use palpate_sim::tick::record::{Command, TickRecord};
 use std::sync::atomic::Ordering;
 use std::time::Duration;

@@ -3,8 +3,8 @@
 
 use crate::common::pose;
 use crate::counting::allocations;
-use palpate::drive::journal::NoJournal;
-use palpate::drive::swap::Swap;
+use palpate_drive::journal::NoJournal;
+use palpate_drive::swap::Swap;
 use palpate_geometry::math::Vector3;
 use palpate_sim::body::DeformableState;
 use palpate_sim::haptics::DevicePose;

@@ -194,6 +194,10 @@ def __getattr__(name: str) -> Any:
             f"palpate.{name} needs the compiled part of the package, which is missing here: install a wheel "
             "(pip install palpate) or build it with maturin; the messages (palpate.wire) work without it"
         ) from error
+    except AttributeError as error:
+        raise ImportError(
+            f"palpate.{name} needs a module built with the feature `daemon`; this one simulates and reads recordings only"
+        ) from error
     globals()[name] = value
     return value
 

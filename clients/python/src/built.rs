@@ -84,7 +84,7 @@ impl Built {
         let q = pose.orientation.coords;
         ToolPose {
             orientation: [q.x, q.y, q.z, q.w],
-            ..palpate_client::pose_at([pose.position.x, pose.position.y, pose.position.z])
+            ..palpate_proto::pose_at([pose.position.x, pose.position.y, pose.position.z])
         }
     }
 }

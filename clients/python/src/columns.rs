@@ -2,7 +2,7 @@
 
 use crate::closest::cores;
 use crate::output::{depth, proxy};
-use palpate::recording::{Follower, Happening, ReadError, Session, Topic};
+use palpate_record::{Follower, Happening, ReadError, Session, Topic};
 use palpate_sim::tick::record::{TickRecord, ToolOutput};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};

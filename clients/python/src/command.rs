@@ -1,15 +1,21 @@
 //! The program `palpate` in this process, and pages of recordings.
 
-use crate::errors::{os_error, raised};
-use palpate::recording::{Session, build_id as build, recorded_scene};
-use palpate::viewer::html_page;
+use crate::errors::raised;
+use palpate_record::build_id as build;
 use pyo3::prelude::*;
-use std::ffi::OsString;
-use std::path::PathBuf;
+#[cfg(feature = "daemon")]
+use {
+    crate::errors::os_error,
+    palpate::viewer::html_page,
+    palpate_record::{Session, recorded_scene},
+    std::ffi::OsString,
+    std::path::PathBuf,
+};
 
 /// Runs the program `palpate` with these arguments (without its name); returns its exit code.
 ///
 /// Made for the entry point: it takes over signals, and `--help` ends the process.
+#[cfg(feature = "daemon")]
 #[pyfunction]
 pub fn main(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
     py.detach(|| palpate::cli::code_with(arguments))
@@ -22,6 +28,7 @@ pub fn build_id() -> String {
 }
 
 /// Writes a recording as one HTML page that opens from disk; returns one in how many ticks it has.
+#[cfg(feature = "daemon")]
 #[pyfunction]
 pub fn to_html(py: Python<'_>, recording: PathBuf, page: PathBuf, most: u64) -> PyResult<u64> {
     py.detach(|| {

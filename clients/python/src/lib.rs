@@ -12,10 +12,12 @@
 mod arrays;
 mod batch;
 mod built;
+#[cfg(feature = "daemon")]
 mod client;
 mod closest;
 mod columns;
 mod command;
+#[cfg(feature = "daemon")]
 mod device;
 mod errors;
 mod modeling;
@@ -39,10 +41,15 @@ use pyo3::prelude::*;
 mod native {
     #[pymodule_export]
     use super::batch::Batch;
+    #[cfg(feature = "daemon")]
     #[pymodule_export]
     use super::client::{Link, Seen, Tool, Watch};
     #[pymodule_export]
-    use super::command::{build_id, main, message_json, to_html};
+    use super::command::{build_id, message_json};
+    #[cfg(feature = "daemon")]
+    #[pymodule_export]
+    use super::command::{main, to_html};
+    #[cfg(feature = "daemon")]
     #[pymodule_export]
     use super::device::SimulatedDevice;
     #[pymodule_export]

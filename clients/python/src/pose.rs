@@ -79,7 +79,7 @@ pub fn of_numbers(values: &[f64]) -> ToolPose {
             .unwrap_or([0.0, 0.0, 0.0, 1.0]),
         linear_velocity: part(7),
         angular_velocity: part(10),
-        ..palpate_client::pose_at(part(0))
+        ..palpate_proto::pose_at(part(0))
     }
 }
 
@@ -105,7 +105,7 @@ impl Pose {
             angular_velocity: triple(angular_velocity, "angular_velocity")?,
             buttons,
             t_client_ns,
-            ..palpate_client::pose_at(triple(position, "position")?)
+            ..palpate_proto::pose_at(triple(position, "position")?)
         })
     }
 

@@ -6,7 +6,7 @@ use crate::surface::Surface;
 use crate::values::shaped;
 use crate::watched::watched;
 use numpy::PyArray1;
-use palpate::recording::{
+use palpate_record::{
     Follower, Happening, ReadError, ReplayOptions, Session, Topic, computed_info, info, net_at,
     recorded_scene, replay_with, simulate_figures,
 };

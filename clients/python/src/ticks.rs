@@ -1,10 +1,10 @@
 //! Ticks of one simulation, as the daemon runs them, without a clock.
 
-use palpate::wire::device_pose;
 use palpate_proto::messages::ToolPose;
 use palpate_sim::tick::explain::Explanation;
 use palpate_sim::tick::record::{TickInput, TickOutput};
 use palpate_sim::tick::{SceneState, Scratch, step_explained, step_into};
+use palpate_wire::device_pose;
 use pyo3::prelude::*;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};

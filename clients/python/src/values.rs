@@ -225,6 +225,7 @@ pub fn toml_value(value: &Bound<'_, PyAny>, path: &str) -> PyResult<toml::Value>
 }
 
 /// The net of a body as an array.
+#[cfg(feature = "daemon")]
 pub fn net_array<'py>(
     py: Python<'py>,
     points: &[Point3],

@@ -6,26 +6,13 @@ use crate::exact::is_one_key;
 use crate::newest::NewestForce;
 use crate::publish::publisher;
 use palpate_proto::codec::{decode, encode};
+use palpate_proto::keys::short_id;
 use palpate_proto::messages::{DeviceInfo, ToolContact, ToolForce, ToolPose, force_flags};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use zenoh::Wait;
 use zenoh::bytes::ZBytes;
-
-/// A pose at rest at a place, unrotated. Its `seq` and time are set when it is sent.
-pub fn pose_at(position: [f64; 3]) -> ToolPose {
-    ToolPose {
-        seq: 0,
-        t_client_ns: 0,
-        position,
-        orientation: [0.0, 0.0, 0.0, 1.0],
-        linear_velocity: [0.0; 3],
-        angular_velocity: [0.0; 3],
-        buttons: 0,
-        flags: 0,
-    }
-}
 
 /// In lockstep a pose without its force after this long is sent again.
 const RESEND: Duration = Duration::from_millis(100);
@@ -212,14 +199,6 @@ pub fn holder_id(session: &zenoh::Session) -> Vec<u8> {
         &number.to_le_bytes(),
     ]
     .concat()
-}
-
-/// Enough of such an id to tell clients apart, as text.
-pub fn short_id(id: &[u8]) -> String {
-    // First comes the session, last the number of the call in it.
-    let tail = id.len().saturating_sub(4).max(4).min(id.len());
-    let bytes = id.iter().take(4).chain(&id[tail..]);
-    bytes.map(|byte| format!("{byte:02x}")).collect()
 }
 
 impl Palpate {
@@ -531,7 +510,7 @@ mod tests {
         ToolPose {
             seq,
             t_client_ns: 1_000 + seq,
-            ..pose_at([0.0; 3])
+            ..crate::pose_at([0.0; 3])
         }
     }
 

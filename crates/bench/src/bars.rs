@@ -8,7 +8,7 @@ use crate::deformation::HardRow;
 use crate::figure::{self, Bar, Figure};
 use crate::suite::{Suite, matches, row_of};
 use crate::{Effort, Row};
-use palpate::scenario::{Cell, Report, Scenario, Settings};
+use palpate_experiment::scenario::{Cell, Report, Scenario, Settings};
 use std::collections::BTreeSet;
 use std::io::Write as _;
 

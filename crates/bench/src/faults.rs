@@ -1,7 +1,7 @@
-//! The daemon under faults over many seeds ([`palpate::faults`]): what must not happen, and whether a
+//! The daemon under faults over many seeds ([`palpate_faults`]): what must not happen, and whether a
 //! seed repeats.
 
-use palpate::faults::{Plan, Report, run};
+use palpate_faults::{Plan, Report, run};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};

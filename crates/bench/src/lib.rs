@@ -180,3 +180,8 @@ pub enum Effort {
     /// At least ten thousand queries a case.
     Full,
 }
+
+/// A scene of ours at work.
+pub(crate) fn world(text: &str) -> palpate_sim::World {
+    palpate_sim::World::parse(text).unwrap_or_else(|error| panic!("{text}\n{error}"))
+}

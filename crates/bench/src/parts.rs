@@ -4,7 +4,6 @@
 mod picture;
 mod press;
 mod slide;
-mod world;
 
 pub use self::picture::parts_picture;
 

@@ -3,8 +3,8 @@
 
 use crate::processes::{Files, Process, connect, free_port};
 use anyhow::Context as _;
-use palpate::drive::pacer::{now_ns, sleep_until};
-use palpate::drive::stats::{Histogram, LATE_NS};
+use palpate_drive::pacer::{now_ns, sleep_until};
+use palpate_drive::stats::{Histogram, LATE_NS};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};

@@ -1,5 +1,5 @@
 //! What haptic devices and other people's programs speak, as data. No sockets, no clock: the server
-//! (`palpate::adapters`) connects these to a bus.
+//! (`palpate_adapters`) connects these to a bus.
 //!
 //! ```text
 //! bytes ─▶ ros2 | rosbridge | haply ─▶ Reading ─▶ Coupler ─▶ pose of a tool

@@ -5,12 +5,9 @@
 //!
 //! `cargo run -p palpate-sim --example step_scene`
 
-use palpate_geometry::math::{Point3, Rotation, Vector3};
-use palpate_sim::haptics::DevicePose;
-use palpate_sim::scene::{Scene, file};
-use palpate_sim::tick::record::{TickInput, TickOutput};
-use palpate_sim::tick::step;
-use std::path::Path;
+use palpate_sim::World;
+use palpate_sim::scene::SceneError;
+use palpate_sim::tick::record::TickOutput;
 
 const SCENE: &str = r#"
 [[body]]
@@ -25,37 +22,13 @@ coupling = { stiffness_n_m = 500.0, damping_n_s_m = 0.0 }
 device = { ramp_s = 0.0 }
 "#;
 
-/// A pose of the first tool: numbered from 1, at a position, not moving, not rotated.
-fn at(seq: u64, position: [f64; 3]) -> TickInput {
-    let mut input = TickInput::default();
-    input.poses[0] = Some(DevicePose {
-        seq,
-        t_client_ns: 0,
-        position: Point3::from(position),
-        orientation: Rotation::identity(),
-        linear_velocity: Vector3::zeros(),
-        angular_velocity: Vector3::zeros(),
-        buttons: 0,
-    });
-    input
-}
-
 /// Presses the probe 2 mm into the ball within 120 ticks; returns every output.
-fn press() -> Result<Vec<TickOutput>, Box<dyn std::error::Error>> {
-    let loaded = file::parse(SCENE, "step_scene.toml", Path::new("."))?;
-    let scene = Scene::build(&loaded.spec, Path::new("."))?;
-    let mut state = scene.initial_state();
-    let mut scratch = scene.scratch(&state);
-    let outputs = (0..120_u64).map(|k| {
-        let height_m = 0.03 - 1e-4 * k.min(20) as f64;
-        step(
-            &scene,
-            &mut state,
-            &mut scratch,
-            &at(k + 1, [0.0, 0.0, height_m]),
-        )
-    });
-    Ok(outputs.collect())
+fn press() -> Result<Vec<TickOutput>, SceneError> {
+    let mut world = World::parse(SCENE)?;
+    let height_m = |k: u32| 0.03 - 1e-4 * f64::from(k.min(20));
+    Ok((0..120)
+        .map(|k| world.at([0.0, 0.0, height_m(k)]))
+        .collect())
 }
 
 /// Runs the example.

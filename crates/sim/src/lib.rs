@@ -1,7 +1,7 @@
 //! The simulation: scenes, deforming bodies, contact forces, haptic couplings and the tick.
 //!
 //! ```text
-//! solve ──▶ body | haptics ──▶ scene ──▶ party ──▶ contact ──▶ rest ──▶ report ──▶ tick
+//! solve ──▶ body | haptics ──▶ scene ──▶ party ──▶ contact ──▶ rest ──▶ report ──▶ tick ──▶ world
 //! ```
 //! [`tick::step`] is pure: no clock, no I/O, no allocation, no lock, no error. Given the same build
 //! and inputs it computes the same bits. What drives it in real time, publishes and records it is
@@ -21,3 +21,6 @@ pub mod scene;
 mod side_by_side;
 pub mod solve;
 pub mod tick;
+mod world;
+
+pub use world::World;

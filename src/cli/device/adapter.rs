@@ -2,12 +2,12 @@
 
 use super::super::Outcome;
 use super::Args;
-use crate::adapters::haply::{DEFAULT_URI, HaplyEnd};
-use crate::adapters::haply_service::{self, Pace};
-use crate::adapters::ros2::{guard_crtk, simulate_arm};
-use crate::adapters::simulated::SimulatedHand;
-use crate::adapters::{Coupling, couple};
 use anyhow::Context as _;
+use palpate_adapters::haply::{DEFAULT_URI, HaplyEnd};
+use palpate_adapters::haply_service::{self, Pace};
+use palpate_adapters::ros2::{guard_crtk, simulate_arm};
+use palpate_adapters::simulated::SimulatedHand;
+use palpate_adapters::{Coupling, couple};
 use palpate_client::device::{Hand, Motion, SimulatedDevice};
 use palpate_client::proto::messages::{DeviceInfo, SceneSnapshot};
 use palpate_devices::{Cap, Coupler, CouplerSettings};

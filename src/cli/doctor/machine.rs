@@ -1,6 +1,6 @@
 //! What the operating system grants.
 
-use crate::drive::pacer::Privileges;
+use palpate_drive::pacer::Privileges;
 use serde::Serialize;
 use std::io;
 use std::net::{Ipv4Addr, TcpListener, UdpSocket};

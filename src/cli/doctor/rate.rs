@@ -1,14 +1,14 @@
 //! How long ticks take here, and which rate that allows.
 
-use crate::drive::pacer::{now_ns, sleep_until};
-use crate::drive::workers::Workers;
-use crate::wire;
 use palpate_client::device::Motion;
+use palpate_drive::pacer::{now_ns, sleep_until};
+use palpate_drive::workers::Workers;
 use palpate_geometry::math::{Point3, Vector3};
 use palpate_sim::haptics::DevicePose;
 use palpate_sim::scene::{Scene, file};
 use palpate_sim::tick::record::{TickOutput, TickRecord};
 use palpate_sim::tick::step_into;
+use palpate_wire as wire;
 use serde::Serialize;
 use std::sync::Arc;
 

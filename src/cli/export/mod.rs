@@ -3,10 +3,10 @@
 mod plot;
 
 use super::Outcome;
-use crate::recording::{Range, Session, csv, net_at, reduce, ros2_bag, series};
 use anyhow::Context as _;
 use palpate_geometry::exchange::{Format, write_mesh, write_surface};
 use palpate_geometry::surface::file::Unit;
+use palpate_record::{Range, Session, csv, net_at, reduce, ros2_bag, series};
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 

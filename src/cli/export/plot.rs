@@ -1,7 +1,7 @@
 //! Four panels below each other over one axis of time: force, depth, energy, tick time.
 
-use crate::chart::{Axis, COLOURS, Scale, escaped};
-use crate::recording::{Bucket, BucketedCurve, Series};
+use palpate_record::chart::{Axis, COLOURS, Scale, escaped};
+use palpate_record::{Bucket, BucketedCurve, Series};
 use std::fmt::Write;
 
 const WIDTH: f64 = 1000.0;

@@ -1,9 +1,9 @@
 //! What programs read from `serve`: where it listens, and how it ended.
 
 use super::{Common, EndedSession};
-use crate::recording::{SelfCheckReport, stage_infos, write_stages};
 use crate::transport::default_listen;
 use anyhow::Context as _;
+use palpate_record::{SelfCheckReport, stage_infos, write_stages};
 use std::io::Write as _;
 use std::net::{TcpListener, UdpSocket};
 

@@ -1,7 +1,7 @@
 //! Ends a session by the clock or for want of clients, and says for whom a lockstep waits.
 
 use super::Common;
-use crate::drive::ports::LoopCounters;
+use palpate_drive::ports::LoopCounters;
 use palpate_proto::keys::Keys;
 use palpate_sim::scene::Scene;
 use palpate_sim::scene::spec::Clock;

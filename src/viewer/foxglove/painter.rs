@@ -1,12 +1,12 @@
 //! From frames of the board to messages of views.
 
 use super::super::frames::split;
-use crate::recording::{LOG_VIEW, Pictures, ViewTopic, log_view, stamp_of};
-use crate::wire::event_words;
 use axum::body::Bytes;
 use palpate_proto::codec::decode;
 use palpate_proto::messages::{ControlNet, SceneSnapshot, SimEvent, ToolForce};
+use palpate_record::{LOG_VIEW, Pictures, ViewTopic, log_view, stamp_of};
 use palpate_sim::scene::Scene;
+use palpate_wire::event_words;
 use std::convert::Infallible;
 use std::sync::Arc;
 

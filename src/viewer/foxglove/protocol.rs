@@ -3,9 +3,9 @@
 //! Text is JSON with an `op`; a message of a channel is binary. Source: foxglove/ws-protocol,
 //! `docs/spec.md` (`foxglove.websocket.v1`); `foxglove.sdk.v1` is the same for what is used here.
 
-use crate::recording::ViewTopic;
 use base64::Engine as _;
 use palpate_proto::recording::descriptors;
+use palpate_record::ViewTopic;
 use serde::Deserialize;
 
 /// Subprotocols that are spoken, the newest first.

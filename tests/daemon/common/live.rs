@@ -2,12 +2,10 @@
 #![allow(dead_code)]
 
 use crate::common::pose;
-use palpate::drive::journal::Journal;
-use palpate::drive::nets::NetPool;
-use palpate::recording::{
-    Recorder, RecorderPort, RecorderSettings, RecordingReport, RecordingSummary,
-};
+use palpate_drive::journal::Journal;
+use palpate_drive::nets::NetPool;
 use palpate_geometry::math::{Vector3, state_hash};
+use palpate_record::{Recorder, RecorderPort, RecorderSettings, RecordingReport, RecordingSummary};
 use palpate_sim::haptics::DevicePose;
 use palpate_sim::scene::{Scene, file};
 use palpate_sim::tick::record::{Command, TickInput, TickRecord};

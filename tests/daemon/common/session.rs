@@ -3,11 +3,11 @@
 
 use crate::common::pose;
 pub use crate::scenes::RIGID;
-use palpate::drive::journal::Journal;
-use palpate::drive::nets::NetPool;
-use palpate::recording::{Recorder, RecorderSettings, RecordingSummary};
+use palpate_drive::journal::Journal;
+use palpate_drive::nets::NetPool;
 pub use palpate_geometry::math::Random;
 use palpate_geometry::math::{Rotation, Vector3, state_hash};
+use palpate_record::{Recorder, RecorderSettings, RecordingSummary};
 use palpate_sim::haptics::{DeviceBounds, DevicePose};
 use palpate_sim::scene::{Scene, file};
 use palpate_sim::tick::record::{Command, TickInput, TickRecord};

@@ -3,9 +3,9 @@
 use crate::daemon::PROGRAM;
 use crate::page::{free_port, get, get_with};
 use crate::session::{RIGID, Script, record};
-use palpate::recording::Session;
 use palpate_client::proto::codec::decode;
 use palpate_client::proto::messages::SceneSnapshot;
+use palpate_record::Session;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};

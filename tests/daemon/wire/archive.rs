@@ -1,14 +1,14 @@
 //! Recording on demand, with a keeper of recordings that only plays one.
 
 use super::{SCENE, until};
-use palpate::drive::archive::{Archive, ArchiveNews, ArchiveRequest};
-use palpate::drive::driver::{self, DriverSettings};
-use palpate::drive::journal::{JournalGauges, NoJournal, keeping};
-use palpate::drive::ports::ports;
 use palpate::transport::{Bus, BusSettings, SessionSettings, open};
 use palpate_client::proto::messages::{EventKind, RecorderState};
 use palpate_client::proto::rpc::Call;
 use palpate_client::{Connect, Palpate};
+use palpate_drive::archive::{Archive, ArchiveNews, ArchiveRequest};
+use palpate_drive::driver::{self, DriverSettings};
+use palpate_drive::journal::{JournalGauges, NoJournal, keeping};
+use palpate_drive::ports::ports;
 use palpate_sim::scene::{Scene, file};
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};

@@ -5,7 +5,7 @@ use super::Field::{
     Wrong,
 };
 use super::{Bar, Field, Promise, Suite};
-use palpate::scenario::NAMES;
+use palpate_experiment::scenario::NAMES;
 
 const fn most(
     suite: Suite,

@@ -11,13 +11,12 @@ use crate::measure::Times;
 use palpate_geometry::contact::ToolShape;
 use palpate_geometry::math::{Point3, Pose, Random, Rotation, Vector3, rotation_by};
 use palpate_geometry::surface::{ClosestSolver, Surface};
+use palpate_sim::World;
 use palpate_sim::haptics::DevicePose;
-use palpate_sim::scene::{Scene, file};
+use palpate_sim::scene::Scene;
 use palpate_sim::solve::hold::{Barrier, hold};
-use palpate_sim::tick::record::{TickInput, TickOutput};
-use palpate_sim::tick::{SceneState, Scratch, step};
+use palpate_sim::tick::record::TickOutput;
 use std::collections::BTreeSet;
-use std::path::Path;
 use std::time::Instant;
 
 const STIFFNESS_N_M: f64 = 1000.0;
@@ -185,50 +184,21 @@ impl Approach {
     }
 }
 
-/// A scene of one tool and one body with a hand.
-struct Hand {
-    scene: Scene,
-    state: SceneState,
-    scratch: Scratch,
-    input: TickInput,
+/// A scene of one tool and one body.
+fn hand(target: &Target, shape: &str, start: &Pose) -> World {
+    let (p, q) = (start.translation.vector, start.rotation);
+    crate::world(&format!(
+        "[[body]]\nid = \"b\"\n{}[[tool]]\nid = \"t\"\nshape = {shape}\npose = {{ position = [{:?}, {:?}, {:?}], orientation = [{:?}, {:?}, {:?}, {:?}] }}\ncoupling = {{ stiffness_n_m = {STIFFNESS_N_M:?} }}\ndevice = {{ ramp_s = 0.0, speed_max_m_s = 1e6, force_max_n = 100.0 }}\n",
+        target.text, p.x, p.y, p.z, q.i, q.j, q.k, q.w
+    ))
 }
 
-impl Hand {
-    fn new(target: &Target, shape: &str, start: &Pose) -> Self {
-        let (p, q) = (start.translation.vector, start.rotation);
-        let text = format!(
-            "[[body]]\nid = \"b\"\n{}[[tool]]\nid = \"t\"\nshape = {shape}\npose = {{ position = [{:?}, {:?}, {:?}], orientation = [{:?}, {:?}, {:?}, {:?}] }}\ncoupling = {{ stiffness_n_m = {STIFFNESS_N_M:?} }}\ndevice = {{ ramp_s = 0.0, speed_max_m_s = 1e6, force_max_n = 100.0 }}\n",
-            target.text, p.x, p.y, p.z, q.i, q.j, q.k, q.w
-        );
-        let scene = file::parse(&text, "still.toml", Path::new("."))
-            .map_err(|e| e.to_string())
-            .and_then(|loaded| {
-                Scene::build(&loaded.spec, Path::new(".")).map_err(|e| e.to_string())
-            })
-            .unwrap_or_else(|error| panic!("{error}"));
-        let state = scene.initial_state();
-        let scratch = scene.scratch(&state);
-        Self {
-            scene,
-            state,
-            scratch,
-            input: TickInput::default(),
-        }
-    }
-
-    fn tick(&mut self, pose: &Pose) -> TickOutput {
-        let seq = self.input.poses[0].map_or(1, |last| last.seq + 1);
-        self.input.poses[0] = Some(DevicePose {
-            seq,
-            t_client_ns: 0,
-            position: Point3::from(pose.translation.vector),
-            orientation: pose.rotation,
-            linear_velocity: Vector3::zeros(),
-            angular_velocity: Vector3::zeros(),
-            buttons: 0,
-        });
-        step(&self.scene, &mut self.state, &mut self.scratch, &self.input)
-    }
+/// One tick with the hand there.
+fn hold_at(hand: &mut World, pose: &Pose) -> TickOutput {
+    hand.posed(DevicePose {
+        orientation: pose.rotation,
+        ..DevicePose::at_rest(pose.translation.vector.into())
+    })
 }
 
 /// What the hand does when it is there.
@@ -297,9 +267,9 @@ struct Seen {
 
 /// Lets a hand touch, go deep and do its motion. None where it misses the body.
 fn watch(target: &Target, shape: &str, approach: &Approach, motion: Motion) -> Option<Seen> {
-    let mut hand = Hand::new(target, shape, &approach.at(AWAY_M));
+    let mut hand = hand(target, shape, &approach.at(AWAY_M));
     let mut height_m = AWAY_M;
-    while hand.tick(&motion.go(approach, height_m, 0)).tools[0]
+    while hold_at(&mut hand, &motion.go(approach, height_m, 0)).tools[0]
         .contact_force_n
         .norm()
         < TOUCH_N
@@ -312,7 +282,7 @@ fn watch(target: &Target, shape: &str, approach: &Approach, motion: Motion) -> O
     let deepest_m = height_m - DEEP_M;
     while height_m > deepest_m {
         height_m -= PRESS_M;
-        hand.tick(&motion.go(approach, height_m, 0));
+        hold_at(&mut hand, &motion.go(approach, height_m, 0));
     }
     let free_n = motion.least_step_n();
     let mut last: Option<(Vector3, Vector3)> = None;
@@ -321,7 +291,7 @@ fn watch(target: &Target, shape: &str, approach: &Approach, motion: Motion) -> O
     for k in 0..HELD {
         let pose = motion.go(approach, height_m, k);
         let start = Instant::now();
-        let output = hand.tick(&pose);
+        let output = hold_at(&mut hand, &pose);
         let took_s = start.elapsed().as_secs_f64();
         if k < SETTLING {
             continue;
@@ -484,7 +454,7 @@ fn survey(
         Motion::Holds => (0.005, 0.01),
         Motion::Creeps | Motion::Turns => (0.02, 0.02),
     };
-    let scene = Hand::new(target, shape, &Pose::identity()).scene;
+    let scene = hand(target, shape, &Pose::identity()).scene;
     let points = cloud(&scene);
     for k in 0..poses {
         let approach = Approach::of(&mut random, target, flush, k);

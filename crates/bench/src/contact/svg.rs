@@ -2,7 +2,7 @@
 //! method.
 
 use super::Row;
-use palpate::chart::{Chart, Curve, Scale, Unit, page};
+use palpate_record::chart::{Chart, Curve, Scale, Unit, page};
 
 /// Errors below are drawn here: an exact answer has no place on a logarithmic axis.
 const LEAST_ERROR_M: f64 = 1e-16;
@@ -47,7 +47,7 @@ pub fn picture(rows: &[Row]) -> String {
 mod tests {
     use super::*;
     use crate::Times;
-    use palpate::chart::{FRAME, WIDTH};
+    use palpate_record::chart::{FRAME, WIDTH};
 
     fn row(method: &str, peer: bool, median_s: f64, error: f64) -> Row {
         let times = Times {

@@ -8,7 +8,7 @@ use super::indent::failed;
 use super::scenes::plasticine_text;
 use super::world::World;
 use super::{Effort, Row};
-use palpate::chart::{self, Chart, Curve, Scale};
+use palpate_record::chart::{self, Chart, Curve, Scale};
 use palpate_sim::solve::grip::GRAB;
 use std::fmt::Write;
 

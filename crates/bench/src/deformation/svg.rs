@@ -2,7 +2,7 @@
 
 use super::{Row, TrustRow, motion};
 use crate::Deviation;
-use palpate::chart::{Chart, Curve, Scale, Unit, page_with};
+use palpate_record::chart::{Chart, Curve, Scale, Unit, page_with};
 
 /// Smaller errors are drawn here: a logarithmic axis has no zero.
 const LEAST_ERROR: f64 = 1e-4;
@@ -150,7 +150,7 @@ fn panel(rows: &[&Row], title: &str, down: &str) -> Chart {
 mod tests {
     use super::*;
     use crate::Times;
-    use palpate::chart::{FRAME, WIDTH};
+    use palpate_record::chart::{FRAME, WIDTH};
 
     fn row(method: &str, peer: bool, median_s: f64, error: f64) -> Row {
         let times = Times {

@@ -1,23 +1,17 @@
 //! A scene that runs, and what is kept of it: times, work of the tools, energy, faults.
 
 use crate::Times;
-use palpate_geometry::math::{Point3, Rotation, Vector3};
+use palpate_geometry::math::{Point3, Vector3};
 use palpate_geometry::surface::Surface;
 use palpate_sim::body::{Deformable, DeformableState};
 use palpate_sim::haptics::DevicePose;
-use palpate_sim::scene::{Scene, file};
-use palpate_sim::tick::record::{TickInput, TickOutput};
-use palpate_sim::tick::step;
-use palpate_sim::tick::{SceneState, Scratch};
-use std::path::Path;
+use palpate_sim::tick::record::TickOutput;
+use std::ops::{Deref, DerefMut};
 use std::time::Instant;
 
 /// A scene that runs.
 pub(super) struct World {
-    pub scene: Scene,
-    pub state: SceneState,
-    pub scratch: Scratch,
-    seq: u64,
+    run: palpate_sim::World,
     /// Time of each tick so far, s.
     pub ticks_s: Vec<f64>,
     /// Done by the first tool on the bodies, J.
@@ -42,15 +36,8 @@ struct Energy {
 
 impl World {
     pub(super) fn new(text: &str) -> Result<Self, String> {
-        let loaded = file::parse(text, "bench.toml", Path::new(".")).map_err(|e| e.to_string())?;
-        let scene = Scene::build(&loaded.spec, Path::new(".")).map_err(|e| e.to_string())?;
-        let state = scene.initial_state();
-        let scratch = scene.scratch(&state);
         Ok(Self {
-            scene,
-            state,
-            scratch,
-            seq: 0,
+            run: palpate_sim::World::parse(text).map_err(|e| e.to_string())?,
             ticks_s: Vec::new(),
             work_j: 0.0,
             put_in_j: 0.0,
@@ -68,23 +55,17 @@ impl World {
     pub(super) fn pressing(&mut self, position: [f64; 3], buttons: u32) -> TickOutput {
         self.posed(&[DevicePose {
             buttons,
-            ..pose(position)
+            ..DevicePose::at_rest(position)
         }])
     }
 
     /// One tick with a pose for each of the first tools; `seq` is the world's.
     pub(super) fn posed(&mut self, poses: &[DevicePose]) -> TickOutput {
-        self.seq += 1;
-        let mut input = TickInput::default();
-        for (tool, pose) in poses.iter().enumerate() {
-            input.poses[tool] = Some(DevicePose {
-                seq: self.seq,
-                ..*pose
-            });
-        }
+        self.run.take(poses.iter().copied());
         let start = Instant::now();
-        let output = step(&self.scene, &mut self.state, &mut self.scratch, &input);
+        self.run.tick();
         self.ticks_s.push(start.elapsed().as_secs_f64());
+        let output = self.run.record.output.clone();
         self.account(&output, poses.len());
         output
     }
@@ -94,7 +75,7 @@ impl World {
         let state = self.state.bodies.first_mut();
         let state = state.and_then(|state| state.deformable.as_mut());
         change(state.ok_or("the scene has no deforming body")?);
-        self.scratch = self.scene.scratch(&self.state);
+        self.run.scratch = self.run.scene.scratch(&self.run.state);
         Ok(())
     }
 
@@ -243,15 +224,16 @@ impl World {
     }
 }
 
-/// A device at rest somewhere, not turned.
-pub(super) fn pose(position: [f64; 3]) -> DevicePose {
-    DevicePose {
-        seq: 0,
-        t_client_ns: 0,
-        position: Point3::from(position),
-        orientation: Rotation::identity(),
-        linear_velocity: Vector3::zeros(),
-        angular_velocity: Vector3::zeros(),
-        buttons: 0,
+impl Deref for World {
+    type Target = palpate_sim::World;
+
+    fn deref(&self) -> &Self::Target {
+        &self.run
+    }
+}
+
+impl DerefMut for World {
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        &mut self.run
     }
 }

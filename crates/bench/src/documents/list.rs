@@ -5,7 +5,7 @@ use crate::suite::{Suite, matches, row_of};
 use crate::table::seconds;
 use crate::{Effort, Row};
 use anyhow::{Context as _, ensure};
-use palpate::scenario::{NAMES, Scenario, Settings};
+use palpate_experiment::scenario::{NAMES, Scenario, Settings};
 use palpate_modeling::branch::{Measures, Tree, grow};
 use std::fmt::Write as _;
 use std::process::Command;

@@ -1,6 +1,6 @@
 //! Energy that a delayed loop makes, with and without a passivity controller at the device.
 
-use super::rig::{Rig, World, wall};
+use super::rig::{Rig, wall};
 use super::{Bar, Figure};
 use crate::Effort;
 use palpate_client::device::{DeviceModel, Goal, Hand, Passivity, PassivitySettings};
@@ -159,7 +159,7 @@ struct Run {
 
 fn session(model: &DeviceModel, hand: &Hand, task: Task, delay_s: f64, control: bool) -> Run {
     let passivity = control.then(|| Passivity::new(PassivitySettings::strict(model)));
-    let world = World::new(&wall(WALL_N_M, 0.0, ""));
+    let world = crate::world(&wall(WALL_N_M, 0.0, ""));
     let depth_m = 0.015;
     let start = task.goal(0.0, depth_m).position;
     let mut rig = Rig::new(world, (model, hand), start, delay_s, passivity, 1);

@@ -1,7 +1,7 @@
 //! Where a ball begins to slip, and that it does not creep while it sticks.
 
-use super::rig::World;
 use super::{Bar, Figure};
+use palpate_sim::World;
 
 fn sheet(mu: f64) -> String {
     format!(
@@ -12,7 +12,7 @@ fn sheet(mu: f64) -> String {
 }
 
 fn pressed(mu: f64) -> World {
-    let mut world = World::new(&sheet(mu));
+    let mut world = crate::world(&sheet(mu));
     for height in [0.03, 0.0101, 0.008] {
         world.at([0.0, 0.0, height]);
     }
@@ -36,7 +36,9 @@ pub(super) fn run(wanted: &dyn Fn(&str) -> bool, out: &mut dyn FnMut(Figure)) {
             let mut world = pressed(mu);
             let mut held: f64 = 0.0;
             for k in 0..4_000 {
-                let tool = world.at([0.001 * mu * f64::from(k) / 1_000.0, 0.0, 0.008]);
+                let tool = world
+                    .at([0.001 * mu * f64::from(k) / 1_000.0, 0.0, 0.008])
+                    .tools[0];
                 if tool.proxy_position.x > 1e-9 {
                     break;
                 }
@@ -62,7 +64,9 @@ pub(super) fn run(wanted: &dyn Fn(&str) -> bool, out: &mut dyn FnMut(Figure)) {
         for k in 0..61_000 {
             // Held aside within the cone, trembling by 20 µm at 9 Hz.
             let tremble = 2e-5 * libm::sin(std::f64::consts::TAU * 9.0 * f64::from(k) * 1e-3);
-            let tool = world.at([4e-4 + tremble, 1e-4 - tremble, 0.008 + 0.5 * tremble]);
+            let tool = world
+                .at([4e-4 + tremble, 1e-4 - tremble, 0.008 + 0.5 * tremble])
+                .tools[0];
             let now = [tool.proxy_position.x, tool.proxy_position.y];
             if k < 1_000 {
                 place = now;

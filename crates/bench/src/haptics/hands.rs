@@ -2,7 +2,7 @@
 //! more than it got.
 
 use super::energy::Task;
-use super::rig::{Rig, World, wall};
+use super::rig::{Rig, wall};
 use super::zwidth::figures;
 use super::{Bar, Figure};
 use crate::Effort;
@@ -67,7 +67,7 @@ pub fn hands(count: usize, seed: u64) -> HandsReport {
         let (task, depth_m) = (Task::ALL[k / models.len() % 3], random.between(1e-3, 2e-2));
         let limit = figures(model, 1e-3).stiffness_limits(0.0).passive_n_m();
         let stiffness = limit * random.between(0.2, 1.0);
-        let world = World::new(&wall(stiffness, 0.0, ""));
+        let world = crate::world(&wall(stiffness, 0.0, ""));
         let mut rig = Rig::new(
             world,
             (model, &hand),

@@ -4,12 +4,12 @@
 use super::processes::{Files, Process, connect, free_port};
 use super::{Bar, Figure};
 use crate::Effort;
-use palpate::drive::driver::{self, DriverReport, DriverSettings};
-use palpate::drive::journal::NoJournal;
-use palpate::drive::pacer::{ask_privileges, now_ns, sleep_until};
-use palpate::drive::ports::{SenderId, ports};
-use palpate::drive::stats::{Histogram, LATE_NS};
 use palpate_client::{pose_at, raw_ping};
+use palpate_drive::driver::{self, DriverReport, DriverSettings};
+use palpate_drive::journal::NoJournal;
+use palpate_drive::pacer::{ask_privileges, now_ns, sleep_until};
+use palpate_drive::ports::{SenderId, ports};
+use palpate_drive::stats::{Histogram, LATE_NS};
 use palpate_geometry::math::{Point3, Rotation, Vector3};
 use palpate_sim::haptics::DevicePose;
 use palpate_sim::scene::spec::Clock;

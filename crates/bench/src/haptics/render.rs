@@ -1,6 +1,5 @@
 //! Rendered force against the analytic one, along a path over a ball, a plane and a cylinder.
 
-use super::rig::World;
 use super::{Bar, Figure};
 
 /// Stiffness of the coupling, N/m, and radius of the tool, m.
@@ -97,7 +96,7 @@ fn along_path(surface: &str, name: &str, core: Core) -> (f64, f64, usize) {
          pose = {{ position = [0.1, 0.02, 0.1] }}\ncoupling = {{ stiffness_n_m = {STIFFNESS_N_M:?}, damping_n_s_m = 0.0 }}\n\
          device = {{ force_max_n = 100.0, ramp_s = 0.0, speed_max_m_s = 1000.0 }}\n"
     );
-    let mut world = World::new(&text);
+    let mut world = crate::world(&text);
     let path = |t: f64| -> [f64; 3] {
         // Out of and into the body by up to 3 mm, over it and round it.
         let depth = 0.003 * libm::sin(2.3 * t);
@@ -138,7 +137,7 @@ fn along_path(surface: &str, name: &str, core: Core) -> (f64, f64, usize) {
         let away = [p[0] - centre[0], p[1] - centre[1], p[2] - centre[2]];
         let distance = (away[0] * away[0] + away[1] * away[1] + away[2] * away[2]).sqrt();
         let push = (STIFFNESS_N_M * (radius + TOOL_M - distance)).max(0.0);
-        let force = world.at(p).force_n;
+        let force = world.at(p).tools[0].force_n;
         let miss: f64 = (0..3)
             .map(|c| force[c] - push * away[c] / distance)
             .map(|x| x * x)

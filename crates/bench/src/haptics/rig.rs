@@ -1,59 +1,12 @@
 //! A simulated device on a loop, both in lockstep, with a network between them if wanted.
 
-use palpate::wire;
 use palpate_client::device::{
     Channel, DeviceModel, Goal, Hand, Network, Passivity, SimulatedDevice,
 };
 use palpate_proto::messages::ToolPose;
-use palpate_sim::scene::{Scene, file};
-use palpate_sim::tick::record::{TickInput, ToolOutput};
-use palpate_sim::tick::step;
-use palpate_sim::tick::{SceneState, Scratch};
-use std::path::Path;
-
-/// A scene at work.
-pub(super) struct World {
-    pub scene: Scene,
-    state: SceneState,
-    scratch: Scratch,
-    seq: u64,
-}
-
-impl World {
-    /// The text is one of ours.
-    pub fn new(text: &str) -> Self {
-        let loaded = file::parse(text, "bench.toml", Path::new("."))
-            .unwrap_or_else(|error| panic!("{text}\n{error}"));
-        let scene = Scene::build(&loaded.spec, Path::new("."))
-            .unwrap_or_else(|error| panic!("{text}\n{error}"));
-        let state = scene.initial_state();
-        let scratch = scene.scratch(&state);
-        Self {
-            scene,
-            state,
-            scratch,
-            seq: 0,
-        }
-    }
-
-    /// One tick; a pose, or none.
-    pub fn tick(&mut self, pose: Option<&ToolPose>) -> ToolOutput {
-        let mut input = TickInput::default();
-        input.poses[0] = pose.map(|pose| {
-            self.seq += 1;
-            wire::device_pose(&ToolPose {
-                seq: self.seq,
-                ..*pose
-            })
-        });
-        step(&self.scene, &mut self.state, &mut self.scratch, &input).tools[0]
-    }
-
-    /// One tick with the tool at rest at a place.
-    pub fn at(&mut self, position: [f64; 3]) -> ToolOutput {
-        self.tick(Some(&palpate_client::pose_at(position)))
-    }
-}
+use palpate_sim::World;
+use palpate_sim::tick::record::ToolOutput;
+use palpate_wire as wire;
 
 /// A wall at z = 0 under a point: text of the scene.
 pub(super) fn wall(stiffness_n_m: f64, damping_n_s_m: f64, extra: &str) -> String {
@@ -116,7 +69,14 @@ impl Rig {
         let now_s = self.device.time_s();
         self.poses.send(now_s, self.device.pose());
         let newest = self.poses.receive(now_s).last();
-        let out = self.world.tick(newest.as_ref());
+        self.world.record.input.poses[0] = newest.map(|pose| {
+            self.world.seq += 1;
+            wire::device_pose(&ToolPose {
+                seq: self.world.seq,
+                ..pose
+            })
+        });
+        let out = self.world.tick().tools[0];
         self.forces.send(now_s, out.force_n.into());
         if let Some(force) = self.forces.receive(now_s).last() {
             self.force_n = force;

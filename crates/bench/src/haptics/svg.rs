@@ -1,7 +1,7 @@
 //! Pictures of the suite.
 
 use super::{Trace, WidthCurve};
-use palpate::chart::{Chart, Curve, Scale, Unit, page};
+use palpate_record::chart::{Chart, Curve, Scale, Unit, page};
 
 fn curve(name: String, points: Vec<(f64, f64)>, lined: bool, hollow: bool) -> Curve {
     Curve {

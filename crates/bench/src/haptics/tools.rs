@@ -1,7 +1,7 @@
 //! Tools of every kind on a rigid and on a soft body, in a hand: no more energy comes out than went
 //! in.
 
-use super::rig::{Rig, World};
+use super::rig::Rig;
 use super::{Bar, Figure};
 use palpate_client::device::{DeviceModel, Goal, Hand};
 
@@ -75,7 +75,7 @@ fn press(
         )
     };
     let mut rig = Rig::new(
-        World::new(&text),
+        crate::world(&text),
         (model, &Hand::relaxed()),
         goal(0.0).position,
         0.0,

@@ -2,7 +2,7 @@
 //! coupling, beside the lines of theory (Colgate & Brown 1994, "Factors affecting the Z-width of a
 //! haptic display").
 
-use super::rig::{Rig, World, wall};
+use super::rig::{Rig, wall};
 use super::{Bar, Figure};
 use crate::Effort;
 use palpate_client::device::{DeviceModel, Goal, Hand, devices};
@@ -168,7 +168,7 @@ fn is_steady(model: &DeviceModel, stiffness_n_m: f64, damping_n_s_m: f64) -> boo
         stiffness_n_m: 1e-3,
         ..Hand::absent()
     };
-    let world = World::new(&wall(stiffness_n_m, damping_n_s_m, ""));
+    let world = crate::world(&wall(stiffness_n_m, damping_n_s_m, ""));
     let start = [0.0, 0.0, DROP_M];
     let mut rig = Rig::new(world, (model, &hand), start, 0.0, None, 1);
     let goal = Goal::at([0.0, 0.0, -WEIGHT_N / hand.stiffness_n_m]);

@@ -1,9 +1,8 @@
 //! Forces along straight ways over a fillet, a sharp edge and a thread.
 
 use super::slide::{PRESSED_M, RADIUS_M, ball, scene};
-use super::world::World;
-use palpate::chart::{Chart, Curve, Scale, page};
 use palpate_geometry::math::{Point3, Vector3};
+use palpate_record::chart::{Chart, Curve, Scale, page};
 
 /// m from tick to tick, 20 mm/s; and ticks from one drawn point to the next.
 const STEP_M: f64 = 2e-5;
@@ -54,7 +53,7 @@ fn curve(way: &Way) -> Vec<(f64, f64)> {
     let at = |along_m: f64, up_m: f64| -> [f64; 3] {
         (way.start + way.along * along_m + way.up * up_m).into()
     };
-    let mut world = World::new(&scene(way.step, &ball(), at(0.0, 2.0 * RADIUS_M)));
+    let mut world = crate::world(&scene(way.step, &ball(), at(0.0, 2.0 * RADIUS_M)));
     for k in (0..200).rev() {
         world.at(at(0.0, 2.0 * RADIUS_M * f64::from(k) / 200.0));
     }
@@ -62,7 +61,7 @@ fn curve(way: &Way) -> Vec<(f64, f64)> {
     let mut points = Vec::new();
     for k in 0..=ticks {
         let along_m = STEP_M * k as f64;
-        let force_n = world.at(at(along_m, 0.0)).force_n.norm();
+        let force_n = world.at(at(along_m, 0.0)).tools[0].force_n.norm();
         if k.is_multiple_of(DRAWN) {
             points.push((along_m * 1e3, force_n));
         }

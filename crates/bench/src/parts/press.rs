@@ -1,7 +1,6 @@
 //! Solid tools pressed on parts and slid over them in the loop: time of a tick, contact that is lost.
 
 use super::slide::{PRESSED_M, scene};
-use super::world::World;
 use crate::measure::{Times, clocked};
 use crate::{Effort, Row};
 
@@ -40,7 +39,7 @@ pub(super) fn press(
         Effort::Quick => 500,
         Effort::Full => 3_000,
     };
-    let mut world = World::new(&scene(step, shape, [0.0, 0.0, 0.5]));
+    let mut world = crate::world(&scene(step, shape, [0.0, 0.0, 0.5]));
     let Some((low, high)) = world.scene.skin(0).part().map(|part| part.part().bounds()) else {
         return row.saying("no part".to_owned());
     };
@@ -58,7 +57,7 @@ pub(super) fn press(
     let mut touched = 0;
     let mut times_s = Vec::with_capacity(ticks);
     for k in 0..ticks {
-        let (took, tool) = clocked(|| world.at(over(k, -PRESSED_M)));
+        let (took, tool) = clocked(|| world.at(over(k, -PRESSED_M)).tools[0]);
         times_s.push(took.as_secs_f64());
         touched += usize::from(tool.contact.is_some());
     }

@@ -1,6 +1,5 @@
 //! A ball slid over parts in the loop: time of a tick, contact that is lost, steps of the force.
 
-use super::world::World;
 use crate::measure::{Times, clocked};
 use crate::{Effort, Row};
 use palpate_geometry::math::{Point3, Random, Vector3};
@@ -97,7 +96,7 @@ pub(super) fn slide(effort: Effort, step: &str, row: Row) -> Row {
 
 impl Slide {
     fn once(&mut self, step: &str, phase: f64, ticks: usize) {
-        let mut world = World::new(&scene(step, &ball(), [0.0, 0.0, 0.5]));
+        let mut world = crate::world(&scene(step, &ball(), [0.0, 0.0, 0.5]));
         let skin = world.scene.skin(0).clone();
         let Some(part) = skin.part() else { return };
         let bounds = part.part().bounds();
@@ -114,7 +113,7 @@ impl Slide {
         }
         let away_m = RADIUS_M - PRESSED_M;
         let mut last = place(phase, away_m);
-        let mut before = world.at(last.into()).force_n;
+        let mut before = world.at(last.into()).tools[0].force_n;
         let (mut t, mut stride) = (phase, 5e-4);
         let mut seen = SkinSolver::new(&skin);
         for _ in 0..ticks {
@@ -128,7 +127,7 @@ impl Slide {
             }
             t += stride;
             let way_m = (at - last).norm();
-            let (took, tool) = clocked(|| world.at(at.into()));
+            let (took, tool) = clocked(|| world.at(at.into()).tools[0]);
             self.times_s.push(took.as_secs_f64());
             // Over a hollow the closest point may change to one of another side, which is nearer to the ball.
             let pressed = seen.closest(&skin, &at).distance < RADIUS_M - 1e-7;

@@ -10,8 +10,6 @@ pub(super) mod python;
 pub(super) mod rapier;
 #[cfg(feature = "sisl")]
 mod sisl;
-#[cfg(feature = "peers")]
-mod truck;
 
 use palpate_geometry::math::{Point3, Vector3};
 use palpate_geometry::surface::Surface;
@@ -50,9 +48,7 @@ pub(super) fn quietly<T>(work: impl FnOnce() -> T) -> T {
 pub const LEFT_OUT: Option<&str> = if cfg!(feature = "peers") {
     None
 } else {
-    Some(
-        "curvo, rapier3d and truck are not in this build; to compare with them, add --features peers",
-    )
+    Some("curvo and rapier3d are not in this build; to compare with them, add --features peers")
 };
 
 /// All that this build has, with one surface.
@@ -61,8 +57,6 @@ pub(super) fn all(surface: &Surface) -> Vec<Box<dyn Peer>> {
         Box::new(parry::Parry::new(surface)),
         #[cfg(feature = "peers")]
         Box::new(curvo::Curvo::new(surface)),
-        #[cfg(feature = "peers")]
-        Box::new(truck::Truck::new(surface)),
         #[cfg(feature = "sisl")]
         Box::new(sisl::Sisl::new(surface)),
         #[cfg(feature = "occt")]

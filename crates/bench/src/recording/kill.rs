@@ -3,8 +3,8 @@
 use super::processes::{Process, connect, free_port};
 use super::session::TEARDROP;
 use super::{Bar, Effort, Figure, Files, figure};
-use palpate::recording::{Session, recover, replay};
 use palpate_client::pose_at;
+use palpate_record::{Session, recover, replay};
 use std::time::{Duration, Instant};
 
 /// Kills, and between which times after the first force.

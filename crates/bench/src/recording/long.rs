@@ -3,7 +3,7 @@
 
 use super::session::{RIGID, Simulated};
 use super::{Bar, Effort, Figure, Files, figure};
-use palpate::recording::{
+use palpate_record::{
     Origin, Range, ReplayOptions, Session, computed_info, csv, info, recover, replay_with,
 };
 use std::io::{BufWriter, sink};

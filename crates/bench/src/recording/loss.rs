@@ -2,10 +2,10 @@
 
 use super::session::{FOUR_HANDS, Simulated};
 use super::{Bar, Effort, Figure, Files, figure};
-use palpate::drive::journal::Journal;
-use palpate::drive::nets::NetPool;
-use palpate::drive::pacer::{now_ns, sleep_until};
-use palpate::recording::{Disk, DiskFile, FileSystem, RecorderSettings};
+use palpate_drive::journal::Journal;
+use palpate_drive::nets::NetPool;
+use palpate_drive::pacer::{now_ns, sleep_until};
+use palpate_record::{Disk, DiskFile, FileSystem, RecorderSettings};
 use std::io::{self, Write};
 use std::path::Path;
 use std::sync::Arc;

@@ -10,7 +10,7 @@ mod tick;
 
 use super::figure::{Bar, Figure};
 use super::{Cases, Effort, processes};
-use palpate::recording::{ReplayOptions, Session, replay_with};
+use palpate_record::{ReplayOptions, Session, replay_with};
 use processes::Files;
 use session::{RIGID, Simulated, TEARDROP};
 pub use slow::{RecorderOptions, record_until_killed};

@@ -1,17 +1,17 @@
 //! A scene whose tools are moved, with a recorder.
 
-use palpate::drive::journal::Journal;
-use palpate::drive::nets::NetPool;
-use palpate::recording::{Recorder, RecorderPort, RecorderSettings, RecordingSummary};
-use palpate::wire;
 use palpate_client::device::Motion;
+use palpate_drive::journal::Journal;
+use palpate_drive::nets::NetPool;
 use palpate_geometry::math::{Point3, Rotation, Vector3, state_hash};
+use palpate_record::{Recorder, RecorderPort, RecorderSettings, RecordingSummary};
 use palpate_sim::haptics::DevicePose;
 use palpate_sim::scene::spec::RecordSpec;
 use palpate_sim::scene::{Scene, file};
 use palpate_sim::tick::record::{TickInput, TickOutput, TickRecord};
 use palpate_sim::tick::step;
 use palpate_sim::tick::{SceneState, Scratch};
+use palpate_wire as wire;
 use std::path::Path;
 use std::sync::atomic::Ordering;
 

@@ -3,12 +3,10 @@
 use super::session::{RIGID, Simulated};
 use super::{Bar, Effort, Figure, Files, figure};
 use crate::processes::spawn_below;
-use palpate::drive::journal::Journal;
-use palpate::drive::nets::NetPool;
-use palpate::drive::pacer::{now_ns, sleep_until};
-use palpate::recording::{
-    Disk, DiskFile, DiskSync, DiskTask, FileSystem, RecorderSettings, recover,
-};
+use palpate_drive::journal::Journal;
+use palpate_drive::nets::NetPool;
+use palpate_drive::pacer::{now_ns, sleep_until};
+use palpate_record::{Disk, DiskFile, DiskSync, DiskTask, FileSystem, RecorderSettings, recover};
 use std::collections::VecDeque;
 use std::io::{self, BufRead as _, BufReader, Write as _};
 use std::path::{Path, PathBuf};

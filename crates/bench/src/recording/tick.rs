@@ -2,10 +2,10 @@
 
 use super::session::{FOUR_HANDS, Simulated, TEARDROP};
 use super::{Bar, Effort, Figure, Files, figure};
-use palpate::drive::journal::Journal;
-use palpate::drive::nets::NetPool;
-use palpate::drive::pacer::{now_ns, sleep_until};
-use palpate::drive::stats::Histogram;
+use palpate_drive::journal::Journal;
+use palpate_drive::nets::NetPool;
+use palpate_drive::pacer::{now_ns, sleep_until};
+use palpate_drive::stats::Histogram;
 
 pub(super) fn run(effort: Effort, out: &mut dyn FnMut(Figure)) -> anyhow::Result<()> {
     let ticks = if effort == Effort::Quick {

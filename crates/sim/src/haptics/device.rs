@@ -22,6 +22,19 @@ pub struct DevicePose {
 }
 
 impl DevicePose {
+    /// A device at rest at a place, m, not turned, without a number.
+    pub fn at_rest(position: [f64; 3]) -> Self {
+        Self {
+            seq: 0,
+            t_client_ns: 0,
+            position: Point3::from(position),
+            orientation: Rotation::identity(),
+            linear_velocity: Vector3::zeros(),
+            angular_velocity: Vector3::zeros(),
+            buttons: 0,
+        }
+    }
+
     /// Its place and velocities are numbers that something can be calculated with.
     pub(super) fn is_somewhere(&self) -> bool {
         let velocities = [self.linear_velocity, self.angular_velocity].map(Point3::from);

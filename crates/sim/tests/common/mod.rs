@@ -1,117 +1,26 @@
 //! What integration tests share.
 #![allow(dead_code)]
 
-use palpate_geometry::math::{Point3, Rotation, Vector3};
+use palpate_geometry::math::{Point3, Vector3};
 use palpate_sim::haptics::DevicePose;
-use palpate_sim::scene::{Scene, file};
-use palpate_sim::tick::record::{TickOutput, TickRecord};
-use palpate_sim::tick::step_into;
-use palpate_sim::tick::{SceneState, Scratch};
-use std::path::Path;
 
-/// A scene with its state.
-pub struct World {
-    pub scene: Scene,
-    pub state: SceneState,
-    pub scratch: Scratch,
-    pub seq: u64,
-    /// Of the tick before.
-    pub record: TickRecord,
+pub use palpate_sim::World;
+
+/// What laws ask of a scene beside its ticks.
+pub trait Laws: Sized {
+    /// The scene of a text.
+    fn new(text: &str) -> Self;
+    fn centre(&self, body: usize, net: &mut [Point3]) -> Point3;
+    fn rest(&mut self, tick: impl FnMut(&mut Self), ticks: usize) -> usize;
 }
 
-impl World {
-    pub fn new(text: &str) -> Self {
-        let loaded =
-            file::parse(text, "test.toml", Path::new(".")).unwrap_or_else(|e| panic!("{e}"));
-        let scene = Scene::build(&loaded.spec, Path::new(".")).unwrap_or_else(|e| panic!("{e}"));
-        let state = scene.initial_state();
-        let scratch = scene.scratch(&state);
-        let record = TickRecord::for_tools(scene.tool_count());
-        Self {
-            scene,
-            state,
-            scratch,
-            seq: 0,
-            record,
-        }
-    }
-
-    /// One tick with the poses of the record, in buffers that are there already.
-    fn tick(&mut self) -> &TickOutput {
-        let TickRecord { input, output, .. } = &mut self.record;
-        step_into(
-            &self.scene,
-            &mut self.state,
-            &mut self.scratch,
-            input,
-            output,
-        );
-        output
-    }
-
-    /// As [`World::at`], without allocating.
-    pub fn at_in_place(&mut self, position: [f64; 3]) -> &TickOutput {
-        self.posed_in_place(pose(0, position))
-    }
-
-    /// As [`World::posed`], without allocating.
-    pub fn posed_in_place(&mut self, pose: DevicePose) -> &TickOutput {
-        self.seq += 1;
-        let seq = self.seq;
-        self.record.input.poses.reset(self.scene.tool_count());
-        self.record.input.poses[0] = Some(DevicePose { seq, ..pose });
-        self.tick()
-    }
-
-    /// As [`World::all`], without allocating.
-    pub fn all_in_place(&mut self, tools: &[([f64; 3], u32)]) -> &TickOutput {
-        self.seq += 1;
-        self.record.input.poses.reset(self.scene.tool_count());
-        for (tool, &(position, buttons)) in tools.iter().enumerate() {
-            self.record.input.poses[tool] = Some(DevicePose {
-                buttons,
-                ..pose(self.seq, position)
-            });
-        }
-        self.tick()
-    }
-
-    /// As [`World::silent`], without allocating.
-    pub fn silent_in_place(&mut self) -> &TickOutput {
-        self.record.input.poses.reset(self.scene.tool_count());
-        self.tick()
-    }
-
-    /// One tick with the first tool at a place.
-    pub fn at(&mut self, position: [f64; 3]) -> TickOutput {
-        self.at_in_place(position).clone()
-    }
-
-    /// One tick with the first tool in a pose.
-    pub fn posed(&mut self, pose: DevicePose) -> TickOutput {
-        self.posed_in_place(pose).clone()
-    }
-
-    /// One tick with every tool at a place, and its buttons.
-    pub fn all(&mut self, tools: &[([f64; 3], u32)]) -> TickOutput {
-        self.all_in_place(tools).clone()
-    }
-
-    /// [`World::at`] after so many dropped deadlines.
-    pub fn late(&mut self, skipped: u32, position: [f64; 3]) -> TickOutput {
-        self.record.input.skipped = skipped;
-        let output = self.at(position);
-        self.record.input.skipped = 0;
-        output
-    }
-
-    /// One tick without news.
-    pub fn silent(&mut self) -> TickOutput {
-        self.silent_in_place().clone()
+impl Laws for World {
+    fn new(text: &str) -> Self {
+        Self::parse(text).unwrap_or_else(|e| panic!("{e}"))
     }
 
     /// Mean of a body's control points, m; `net` has room for them.
-    pub fn centre(&self, body: usize, net: &mut [Point3]) -> Point3 {
+    fn centre(&self, body: usize, net: &mut [Point3]) -> Point3 {
         self.state.copy_net(&self.scene, body, net);
         Point3::from(net.iter().map(|p| p.coords).sum::<Vector3>() / net.len() as f64)
     }
@@ -121,7 +30,7 @@ impl World {
     /// the next, its velocities are taken away; equilibria are those of the ticks themselves. Ends
     /// when nothing has been faster than 1e-9 m/s for fifty ticks, or after so many ticks; returns how
     /// many it took.
-    pub fn rest(&mut self, mut tick: impl FnMut(&mut Self), ticks: usize) -> usize {
+    fn rest(&mut self, mut tick: impl FnMut(&mut Self), ticks: usize) -> usize {
         let mut before = vec![0.0; self.state.bodies.len()];
         let mut still = 0;
         for k in 0..ticks {
@@ -160,12 +69,7 @@ impl World {
 pub fn pose(seq: u64, position: [f64; 3]) -> DevicePose {
     DevicePose {
         seq,
-        t_client_ns: 0,
-        position: Point3::from(position),
-        orientation: Rotation::identity(),
-        linear_velocity: Vector3::zeros(),
-        angular_velocity: Vector3::zeros(),
-        buttons: 0,
+        ..DevicePose::at_rest(position)
     }
 }
 

@@ -1,6 +1,6 @@
 //! A body that no material holds together any more is a fault of the tick, in every way to run a scene.
 
-use crate::common::World;
+use crate::common::{Laws as _, World};
 use palpate_geometry::math::{Point3, Vector3};
 use palpate_sim::tick::flags;
 use palpate_sim::tick::record::TickFault;

@@ -1,6 +1,6 @@
 //! Beams and plates that are clamped by ranges of parameters, against theory.
 
-use crate::common::World;
+use crate::common::{Laws as _, World};
 use palpate_geometry::math::Random;
 use palpate_sim::body::DeformableState;
 

@@ -1,6 +1,6 @@
 //! Bodies that fall on something: contact in the tick in which it begins.
 
-use super::common::World;
+use super::common::{Laws as _, World};
 use palpate_geometry::basis::KnotVector;
 use palpate_sim::tick::flags;
 

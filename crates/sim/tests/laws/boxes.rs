@@ -1,6 +1,6 @@
 //! Free bodies like boxes: on their faces and edges, in walls, as dominoes.
 
-use crate::common::World;
+use crate::common::{Laws as _, World};
 use palpate_geometry::math::{Random, Rotation, Vector3, rotation_by};
 use std::fmt::Write as _;
 

@@ -1,6 +1,6 @@
 //! Bodies in a frame that is carried about.
 
-use crate::common::{World, pose};
+use crate::common::{Laws as _, World, pose};
 use palpate_geometry::math::{Rotation, Vector3};
 use palpate_sim::haptics::DevicePose;
 use palpate_sim::tick::record::{TickInput, TickOutput};

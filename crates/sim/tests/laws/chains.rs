@@ -1,6 +1,6 @@
 //! Impacts of bodies that touch in a row.
 
-use crate::common::World;
+use crate::common::{Laws as _, World};
 use palpate_geometry::math::Random;
 
 const FAR: [f64; 3] = [5.0, 5.0, 5.0];

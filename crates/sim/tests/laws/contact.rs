@@ -1,6 +1,6 @@
 //! Contact in the loop: several regions at once, shapes of all kinds, bodies against bodies.
 
-use crate::common::{World, pose};
+use crate::common::{Laws as _, World, pose};
 use palpate_geometry::math::{Rotation, Vector3};
 use palpate_sim::solve::rows::Holder;
 use palpate_sim::tick::record::{TickInput, TickOutput};

@@ -1,6 +1,6 @@
 //! Bodies that are cut while they move: their pieces have their mass and momentum, and go on as bodies like them.
 
-use crate::common::World;
+use crate::common::{Laws as _, World};
 use palpate_geometry::cut::CutPlane;
 use palpate_geometry::math::{Point3, Random, Vector3};
 use palpate_geometry::surface::{ClosestSolver, Surface};
@@ -45,7 +45,7 @@ fn follow(world: &mut World, next: Scene, done: &SceneCut) {
     next.carry_over(&world.scene, &world.state, &carry, &mut state);
     world.scratch = next.scratch(&state);
     next.prepare(&state, &mut world.scratch);
-    (world.scene, world.state) = (next, state);
+    (world.scene, world.state) = (next.into(), state);
 }
 
 /// Ticks without a device.

@@ -1,6 +1,6 @@
 //! Forces of the lattice against references, and its laws.
 
-use crate::common::{World, teardrop};
+use crate::common::{Laws as _, World, teardrop};
 use palpate_geometry::math::Point3;
 use palpate_geometry::surface::ClosestSolver;
 

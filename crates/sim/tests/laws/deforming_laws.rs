@@ -1,7 +1,7 @@
 //! Laws of deforming bodies: what force must not depend on, what it must agree with, and that a
 //! restored state goes on as it was.
 
-use crate::common::{World, pose, press};
+use crate::common::{Laws as _, World, pose, press};
 use palpate_geometry::math::{Rotation, SavedState, Vector3, state_hash};
 use palpate_sim::body::DeformableState;
 use palpate_sim::haptics::DevicePose;

@@ -1,7 +1,7 @@
 //! What a force may be off: nothing on rigid bodies and at rest, little where a step has converged, and much, with a
 //! flag, in a tick that no few iterations can follow. How well it says so: `palpate-bench trust`.
 
-use crate::common::World;
+use crate::common::{Laws as _, World};
 use palpate_sim::tick::flags::DEGRADED;
 use palpate_sim::tick::record::ToolOutput;
 

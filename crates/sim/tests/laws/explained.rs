@@ -1,6 +1,6 @@
 //! A force explains itself: the numbers of its rows are closed forms, and bodies say what their step leaves.
 
-use crate::common::World;
+use crate::common::{Laws as _, World};
 use palpate_geometry::math::{Random, Vector3};
 use palpate_sim::tick::explain::{Explanation, RowExplained};
 use palpate_sim::tick::flags::DEGRADED;

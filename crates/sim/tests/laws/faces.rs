@@ -1,6 +1,6 @@
 //! Free rigid bodies with flat faces: how they slide, spin, lie and stand on each other.
 
-use crate::common::World;
+use crate::common::{Laws as _, World};
 use palpate_geometry::math::{Point3, Random, Vector3};
 use palpate_sim::tick::RigidMotion;
 

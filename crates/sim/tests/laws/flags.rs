@@ -1,6 +1,6 @@
 //! What flags say of a tool, in each of its states: true in the tick in which it is said.
 
-use crate::common::World;
+use crate::common::{Laws as _, World};
 use palpate_sim::tick::flags::{GRABBING, PAUSED, RAMPING, REFUSED, SATURATED, STALE, WITHHELD};
 use palpate_sim::tick::record::{Command, ToolOutput};
 use palpate_sim::tick::{RunState, apply};

@@ -1,6 +1,6 @@
 //! Free rigid bodies: flight, tumbling, rolling, rest, and what tools do to them.
 
-use crate::common::{World, pose};
+use crate::common::{Laws as _, World, pose};
 use palpate_geometry::math::{Point3, SavedState, Vector3, state_hash};
 use palpate_geometry::surface::{builtin, file};
 use palpate_sim::haptics::DevicePose;

@@ -1,6 +1,6 @@
 //! Coulomb friction in the loop: its threshold, its direction, and that what sticks stays.
 
-use crate::common::{World, teardrop};
+use crate::common::{Laws as _, World, teardrop};
 use palpate_geometry::math::{SavedState, Vector3};
 use palpate_sim::solve::rows::Holder;
 use palpate_sim::tick::restore;

@@ -1,6 +1,6 @@
 //! The grab button: what a tool touches is held, pulled, and lost beyond the grip's force.
 
-use crate::common::{World, teardrop};
+use crate::common::{Laws as _, World, teardrop};
 use palpate_geometry::math::{SavedState, Vector3};
 use palpate_geometry::surface::ClosestSolver;
 use palpate_sim::solve::grip::GRAB;

@@ -1,7 +1,7 @@
 //! What a hand may count on: balance in six degrees of freedom, equal and opposite forces, energy
 //! that adds up, no steps.
 
-use crate::common::{World, pose, teardrop};
+use crate::common::{Laws as _, World, pose, teardrop};
 use palpate_geometry::math::{Point3, Rotation, Vector3, rotation_by, turn_between};
 use palpate_geometry::surface::ClosestSolver;
 use palpate_sim::haptics::DevicePose;

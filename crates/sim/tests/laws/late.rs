@@ -1,6 +1,6 @@
 //! Steps on other threads that are not done when they are due.
 
-use crate::common::World;
+use crate::common::{Laws as _, World};
 use palpate_geometry::math::{Point3, SavedState, Vector3, state_hash};
 use palpate_sim::body::{DeformableScratch, DeformableState, Field};
 use palpate_sim::scene::Scene;

@@ -1,7 +1,7 @@
 //! Tools that press less of a solid than its control net resolves.
 
 use super::deformation::press_forces;
-use crate::common::{World, pose, teardrop};
+use crate::common::{Laws as _, World, pose, teardrop};
 use palpate_geometry::math::{Random, Rotation, Vector3};
 use std::f64::consts::PI;
 

@@ -1,6 +1,6 @@
 //! Scenes of as many tools as there may be.
 
-use crate::common::{World, many_tools, place_of_many};
+use crate::common::{Laws as _, World, many_tools, place_of_many};
 use palpate_sim::scene::file;
 use palpate_sim::solve::rows::Holder;
 use palpate_sim::tick::record::TickOutput;

@@ -1,6 +1,6 @@
 //! Membranes that move: a sheet clamped along two edges, pressed, dragged and hit.
 
-use super::common::World;
+use super::common::{Laws as _, World};
 
 /// A sheet of 2 mm with a ball of 8 mm above it.
 fn sheet(young_pa: f64, damping_s: f64, integrator: &str, mu: f64) -> World {

@@ -1,6 +1,6 @@
 //! Models, methods and materials: what each promises.
 
-use crate::common::{World, press};
+use crate::common::{Laws as _, World, press};
 use palpate_geometry::math::Vector3;
 use palpate_sim::body::DeformableState;
 

@@ -1,6 +1,6 @@
 //! How bodies move: periods, decrements, momenta and forces on the way, after one iteration a tick.
 
-use crate::common::{World, pose};
+use crate::common::{Laws as _, World, pose};
 use palpate_geometry::math::{Matrix3, Point3, Rotation, Vector3};
 use palpate_geometry::surface::ClosestSolver;
 use palpate_sim::body::DeformableState;

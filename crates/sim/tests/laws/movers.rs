@@ -1,7 +1,7 @@
 //! Rigid bodies that move: contact sees their velocity, friction counts relative to them, and a
 //! replay finds them where they were.
 
-use crate::common::{World, pose};
+use crate::common::{Laws as _, World, pose};
 use palpate_geometry::math::{Point3, Rotation, SavedState, Vector3, rotation_by, state_hash};
 use palpate_sim::tick::record::{Command, TickInput};
 use palpate_sim::tick::{apply, restore, step};

@@ -1,6 +1,6 @@
 //! Parts against all that is no ball and no plane: solid tools, bodies that deform, each other.
 
-use crate::common::{World, pose, step_file};
+use crate::common::{Laws as _, World, pose, step_file};
 use palpate_geometry::math::{Point3, Random, Vector3};
 use palpate_geometry::skin::SkinSolver;
 

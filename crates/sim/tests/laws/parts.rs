@@ -1,6 +1,6 @@
 //! Parts of STEP files as bodies: closed forms, continuity over edges, replay.
 
-use crate::common::{World, pose, step_file};
+use crate::common::{Laws as _, World, pose, step_file};
 use palpate_geometry::math::{Point3, Random, SavedState, Vector3, state_hash};
 use palpate_geometry::skin::SkinSolver;
 use palpate_sim::scene::{Scene, file};

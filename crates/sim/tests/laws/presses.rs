@@ -1,7 +1,7 @@
 //! Solids that are pressed fast, deep, suddenly and at random: forces on the way beside those of many iterations, which
 //! end where the exact step does; and what comes of it afterwards.
 
-use crate::common::World;
+use crate::common::{Laws as _, World};
 use palpate_geometry::math::{Point3, Random};
 use palpate_geometry::surface::ClosestSolver;
 use palpate_sim::tick::flags::DEGRADED;

@@ -1,6 +1,6 @@
 //! Lower quality: what a tick leaves out is work, not balance.
 
-use crate::common::World;
+use crate::common::{Laws as _, World};
 use palpate_sim::tick::apply;
 use palpate_sim::tick::quality;
 use palpate_sim::tick::record::{Command, TickOutput};

@@ -1,6 +1,6 @@
 //! Where `refine = "auto"` puts its knots, and what the forces owe to it.
 
-use crate::common::{World, teardrop};
+use crate::common::{Laws as _, World, teardrop};
 use crate::deformation::press_forces;
 use palpate_geometry::math::Point3;
 use palpate_sim::scene::{Scene, file};

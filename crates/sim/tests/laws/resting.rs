@@ -1,6 +1,6 @@
 //! Bodies that lie on others are left alone until something comes near.
 
-use crate::common::World;
+use crate::common::{Laws as _, World};
 use palpate_geometry::math::{SavedState, Vector3};
 use palpate_geometry::surface::{builtin, file};
 use palpate_sim::tick::restore;

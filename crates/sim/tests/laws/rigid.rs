@@ -1,6 +1,6 @@
 //! A ball, a point and a plane on rigid bodies: closed forms.
 
-use crate::common::{World, pose};
+use crate::common::{Laws as _, World, pose};
 use palpate_sim::haptics::DevicePose;
 use palpate_sim::tick::flags;
 

@@ -1,6 +1,6 @@
 //! A tool that is seated inside a body, as when its device is switched on there: no force until it has been small once.
 
-use crate::common::World;
+use crate::common::{Laws as _, World};
 use palpate_geometry::math::{Random, SavedState, Vector3};
 use palpate_sim::tick::flags::WITHHELD;
 use palpate_sim::tick::record::{Command, ToolOutput};

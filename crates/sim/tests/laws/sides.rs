@@ -1,7 +1,7 @@
 //! A tool stays on the side of an open surface it came from, however the surface moves; it changes
 //! sides round the rim.
 
-use crate::common::World;
+use crate::common::{Laws as _, World};
 use palpate_geometry::math::{Point3, Random, Vector3};
 use palpate_geometry::surface::ClosestSolver;
 use palpate_sim::tick::flags;

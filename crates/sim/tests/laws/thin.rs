@@ -1,7 +1,7 @@
 //! Closed bodies much wider than thick, lenses, discs and blades, against the theory of plates; and
 //! what a hard hit leaves behind.
 
-use crate::common::World;
+use crate::common::{Laws as _, World};
 use palpate_geometry::math::{Point3, Vector3};
 use palpate_geometry::surface::Surface;
 

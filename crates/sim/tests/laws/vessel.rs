@@ -1,7 +1,7 @@
 //! A branching tube is touched and deforms: one surface whose stem is drawn twice and whose edges
 //! are joined.
 
-use crate::common::World;
+use crate::common::{Laws as _, World};
 use palpate_geometry::basis::Side;
 use palpate_geometry::math::{Point3, SavedState, Vector3, state_hash};
 use palpate_geometry::surface::{self, Surface};

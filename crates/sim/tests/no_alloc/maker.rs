@@ -1,6 +1,6 @@
 //! Matrices that follow a body are made on another thread; the tick that asks for one and takes it over allocates nothing.
 
-use crate::common::{World, teardrop};
+use crate::common::{Laws as _, World, teardrop};
 use crate::counting::allocations;
 use palpate_geometry::math::{Point3, Vector3};
 use palpate_sim::body::{DeformableState, Field, Made};
@@ -24,7 +24,7 @@ struct Desk {
 struct Elsewhere(Arc<(Mutex<Desk>, Condvar)>);
 
 impl Elsewhere {
-    fn new(scene: Scene) -> Self {
+    fn new(scene: Arc<Scene>) -> Self {
         let state = scene.deformable(0).unwrap().rest_state();
         let desk = Desk {
             state,

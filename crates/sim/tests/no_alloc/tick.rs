@@ -1,6 +1,6 @@
 //! The tick allocates nothing once it runs.
 
-use crate::common::{World, many_tools, place_of_many, step_file, teardrop};
+use crate::common::{Laws as _, World, many_tools, place_of_many, step_file, teardrop};
 use crate::counting::allocations;
 use palpate_sim::solve::rows::Holder;
 use palpate_sim::tick::record::Command;

@@ -6,10 +6,9 @@ use super::setup::{Form, Thing};
 use crate::measure::clocked;
 use crate::peers::python;
 use palpate_geometry::math::Point3;
-use palpate_sim::scene::{Scene, file};
-use palpate_sim::tick::record::{TickInput, TickOutput};
-use palpate_sim::tick::{SceneState, step_into};
-use std::path::Path;
+use palpate_sim::World;
+use palpate_sim::scene::Scene;
+use palpate_sim::tick::SceneState;
 
 /// What runs in Python: prints one JSON object.
 const SCRIPT: &str = include_str!("../../../../../benches/peers/rigid.py");
@@ -50,23 +49,19 @@ pub(super) fn outcomes(setup: &Setup) -> Vec<Outcome> {
 }
 
 pub(super) fn ours(setup: &Setup) -> Result<Vec<Frame>, String> {
-    let loaded = file::parse(&setup.text(), "rigid.toml", Path::new("."));
-    let loaded = loaded.map_err(|e| e.to_string())?;
-    let scene = Scene::build(&loaded.spec, Path::new(".")).map_err(|e| e.to_string())?;
-    let mut state = scene.initial_state();
-    let mut scratch = scene.scratch(&state);
-    let input = TickInput::default();
-    let mut output = TickOutput::for_tools(scene.tool_count());
+    let mut world = World::parse(&setup.text()).map_err(|e| e.to_string())?;
     let first = usize::from(setup.floor);
     let bodies = first..first + setup.things.len();
     let mut tick = || {
-        let (took, ()) =
-            clocked(|| step_into(&scene, &mut state, &mut scratch, &input, &mut output));
+        let (took, ()) = clocked(|| {
+            world.tick();
+        });
+        let World { scene, state, .. } = &world;
         Some(Frame {
             took_s: took.as_secs_f64(),
             asleep: bodies.clone().all(|body| state.is_left_alone(body)),
             bodies: (bodies.clone())
-                .map(|body| motion(&scene, &state, body))
+                .map(|body| motion(scene, state, body))
                 .collect::<Option<_>>()?,
         })
     };

@@ -1,6 +1,5 @@
 //! Tools that share a body, tips, slides, and contacts that last.
 
-use super::super::world::pose;
 use super::Kind;
 use super::row::Run;
 use super::slab::{RADIUS_M, SIDE_M, Slab, ball, body, press, tool};
@@ -18,7 +17,7 @@ pub(super) fn two_tools(kind: Kind) -> Result<Run, String> {
     .run()?;
     let mut forces = [Vector3::zeros(); 2];
     let both = |run: &mut Run, places: [[f64; 3]; 2]| {
-        let out = run.posed(&places.map(pose));
+        let out = run.posed(&places.map(DevicePose::at_rest));
         [0, 1].map(|tool| out.tools[tool].force_n)
     };
     for k in 0..10_000 {
@@ -91,7 +90,7 @@ fn tip(kind: Kind, shape: &str, orientation: Rotation, reach_m: f64) -> Result<R
         let place = [0.001 + way, 0.002 - 0.3 * way, reach_m - depth];
         let posed = DevicePose {
             orientation,
-            ..pose(place)
+            ..DevicePose::at_rest(place)
         };
         let force = run.posed(&[posed]).tools[0].force_n;
         let change = (force - last).norm() / force.norm().max(1.0);
@@ -159,7 +158,7 @@ pub(super) fn slide(kind: Kind) -> Result<Run, String> {
             } else {
                 0.06 - phase
             };
-            let out = run.posed(&[pose([x, 0.0, z])]);
+            let out = run.posed(&[DevicePose::at_rest([x, 0.0, z])]);
             for contact in out.contacts.list() {
                 let along = contact.force_n.dot(&contact.normal);
                 let drag = (contact.force_n - contact.normal * along).norm();
