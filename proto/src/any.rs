@@ -1,15 +1,9 @@
 //! Messages of whatever type, as JSON: for tools that show what is on the bus.
 
-use crate::codec::{DecodeError, decode};
+use crate::decode_error::DecodeError;
 use crate::layout::MessageType;
-use crate::messages::{ALL, Message};
+use crate::messages::ALL;
 use serde_json::Value;
-
-pub(crate) fn decode_to_json<M: Message>(bytes: &[u8]) -> Result<Value, DecodeError> {
-    let message: M = decode(bytes, "")?;
-    // Numbers that JSON does not have become null.
-    Ok(serde_json::to_value(message).unwrap_or(Value::Null))
-}
 
 /// The message under a key, where there is no encoding that names it.
 pub fn type_of_key(key: &str) -> Option<&'static MessageType> {

@@ -1,11 +1,9 @@
 //! Bytes of messages: postcard, with the type's versioned name in the encoding's schema.
 
-pub use crate::decode_error::DecodeError;
-use crate::messages::{Message, ToolPose};
-
-/// Largest message we decode. A scene snapshot of twenty large bodies stays below; a hostile length
-/// does not get memory.
-pub const MAX_BYTES: usize = 16 << 20;
+pub use crate::decode_error::{DecodeError, PoseError};
+pub use crate::layout::MAX_BYTES;
+use crate::layout::Message;
+use serde_json::Value;
 
 /// Schema string of the encoding that goes with a message: `postcard;palpate.ToolPose.v1`.
 pub fn encoding_schema<M: Message>() -> String {
@@ -60,50 +58,11 @@ pub fn decode<M: Message>(bytes: &[u8], schema: &str) -> Result<M, DecodeError> 
     }
 }
 
-/// Why a pose was refused.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum PoseError {
-    /// NaN or infinity.
-    #[error("pose {seq} has a value that is not finite")]
-    NotFinite {
-        /// Its number.
-        seq: u64,
-    },
-    /// Not a rotation.
-    #[error("pose {seq} has a quaternion of length {norm}; it must be 1 within 1e-6")]
-    Quaternion {
-        /// Its number.
-        seq: u64,
-        /// Its length.
-        norm: f64,
-    },
-}
-
-impl ToolPose {
-    /// The pose with its quaternion brought to unit length.
-    ///
-    /// # Errors
-    /// Values that are not finite, or a quaternion whose length is not 1 within 1e-6.
-    pub fn validated(mut self) -> Result<Self, PoseError> {
-        let seq = self.seq;
-        let parts = [
-            &self.position[..],
-            &self.orientation,
-            &self.linear_velocity,
-            &self.angular_velocity,
-        ];
-        if parts.iter().any(|part| part.iter().any(|x| !x.is_finite())) {
-            return Err(PoseError::NotFinite { seq });
-        }
-        let norm = self.orientation.iter().map(|x| x * x).sum::<f64>().sqrt();
-        if (norm - 1.0).abs() > 1e-6 {
-            return Err(PoseError::Quaternion { seq, norm });
-        }
-        for x in &mut self.orientation {
-            *x /= norm;
-        }
-        Ok(self)
-    }
+/// A message as JSON.
+pub(crate) fn decode_to_json<M: Message>(bytes: &[u8]) -> Result<Value, DecodeError> {
+    let message: M = decode(bytes, "")?;
+    // Numbers that JSON does not have become null.
+    Ok(serde_json::to_value(message).unwrap_or(Value::Null))
 }
 
 #[cfg(test)]
@@ -111,7 +70,7 @@ mod tests {
     use super::*;
     use crate::messages::{
         ContactSet, ControlNet, DeviceInfo, LoopStatus, SceneSnapshot, SimEvent, ToolContact,
-        ToolForce,
+        ToolForce, ToolPose,
     };
 
     fn pose() -> ToolPose {

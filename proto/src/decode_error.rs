@@ -38,3 +38,22 @@ pub enum DecodeError {
         extra: usize,
     },
 }
+
+/// Why a pose was refused.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum PoseError {
+    /// NaN or infinity.
+    #[error("pose {seq} has a value that is not finite")]
+    NotFinite {
+        /// Its number.
+        seq: u64,
+    },
+    /// Not a rotation.
+    #[error("pose {seq} has a quaternion of length {norm}; it must be 1 within 1e-6")]
+    Quaternion {
+        /// Its number.
+        seq: u64,
+        /// Its length.
+        norm: f64,
+    },
+}

@@ -4,7 +4,24 @@
 //! `proto/examples/generate` makes the modules of clients in other languages from it.
 
 use crate::decode_error::DecodeError;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
+
+/// Largest message we decode. A scene snapshot of twenty large bodies stays below; a hostile length
+/// does not get memory.
+pub const MAX_BYTES: usize = 16 << 20;
+
+/// A type that travels on the bus, with the versioned name its encoding carries.
+pub trait Message: Serialize + for<'de> Deserialize<'de> {
+    /// Versioned type name, for example `palpate.ToolPose.v1`.
+    const NAME: &'static str;
+    /// Key below `palpate/{instance}/`, for example `tool/{tool}/pose`.
+    const KEY: &'static str;
+    /// Greatest size of one message, bytes; longer ones are refused before they are read.
+    const MAX_BYTES: usize = MAX_BYTES;
+    /// All that is known about it, as data.
+    const TYPE: &'static MessageType;
+}
 
 /// A message that travels on the bus under a name and a key.
 #[derive(Clone, Copy, Debug)]
@@ -225,7 +242,7 @@ macro_rules! messages {
                 },
                 #[cfg(test)]
                 schema: <Self as postcard_schema::Schema>::SCHEMA,
-                to_json: $crate::any::decode_to_json::<Self>,
+                to_json: $crate::codec::decode_to_json::<Self>,
             };
         }
         $crate::layout::messages! { @ [$($all)* $name]

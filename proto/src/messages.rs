@@ -8,20 +8,8 @@
 //! makes a new type with a new version in its [`Message::NAME`]. Only [`EventKind`] may grow, at
 //! its end: the number of a case stays, and who does not know a new one drops that event.
 
-use crate::layout::MessageType;
+pub use crate::layout::Message;
 use serde::{Deserialize, Serialize};
-
-/// A type that travels on the bus, with the versioned name its encoding carries.
-pub trait Message: Serialize + for<'de> Deserialize<'de> {
-    /// Versioned type name, for example `palpate.ToolPose.v1`.
-    const NAME: &'static str;
-    /// Key below `palpate/{instance}/`, for example `tool/{tool}/pose`.
-    const KEY: &'static str;
-    /// Greatest size of one message, bytes; longer ones are refused before they are read.
-    const MAX_BYTES: usize = crate::codec::MAX_BYTES;
-    /// All that is known about it, as data.
-    const TYPE: &'static MessageType;
-}
 
 /// Longest name of a device, bytes.
 pub(crate) const DEVICE_NAME_BYTES: usize = 64;

@@ -1,6 +1,6 @@
 //! One daemon as a child process: started, heard, ended.
 
-use super::keeper::Ask;
+use super::session::Ask;
 use crate::program;
 use std::ffi::OsString;
 use std::io::{BufRead as _, BufReader, Read as _};

@@ -1,7 +1,8 @@
 //! Who starts, watches and ends the daemons of a lobby: one thread that owns them all.
 
 use super::daemon::Daemon;
-use super::lobby::LobbySettings;
+use super::session::{Ask, Refusal, Session, SessionState};
+use super::settings::LobbySettings;
 use super::shelf::{Offer, Shelf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -18,93 +19,6 @@ const LONGEST_END: Duration = Duration::from_secs(10);
 const LAST_WORDS: Duration = Duration::from_secs(1);
 /// No answer asks to wait longer than this before the next try.
 const LONGEST_WAIT: Duration = Duration::from_secs(30);
-
-/// How far a session has come.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum SessionState {
-    /// Its daemon builds the scene.
-    Starting,
-    /// Clients can connect.
-    Ready,
-    /// Its daemon was asked to end.
-    Ending,
-}
-
-/// A daemon as clients see it.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
-pub struct Session {
-    /// Under which it is ended; also the name of the instance.
-    pub id: String,
-    /// Name of the offer.
-    pub scene: String,
-    /// How far it has come.
-    pub state: SessionState,
-    /// Where devices connect; with this and `instance` a client has all that it needs.
-    pub endpoint: Option<String>,
-    /// Name of the instance.
-    pub instance: String,
-    /// Address of its page.
-    pub page: Option<String>,
-    /// Process id of the daemon.
-    pub pid: u32,
-    /// Since it was asked for, s.
-    pub age_s: f64,
-}
-
-/// Why there is no new session.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Refusal {
-    /// Nothing of this name is offered.
-    #[error("{name:?} is not a scene of this lobby; it has {}", scenes.join(", "))]
-    Unknown {
-        /// As asked for.
-        name: String,
-        /// Names on offer.
-        scenes: Vec<String>,
-    },
-    /// All places are taken.
-    #[error(
-        "no place is free in this lobby (--max {max}): try again when a session has ended, or start it with a larger --max \
-         if the machine has idle cores"
-    )]
-    Full {
-        /// Places.
-        max: usize,
-        /// When to try again.
-        retry_after: Duration,
-    },
-    /// The daemon ended before it was ready.
-    #[error("the daemon did not start: {0}")]
-    Failed(String),
-    /// The daemon was not ready in time.
-    #[error("the daemon was not ready within {} s, and was ended", .0.as_secs())]
-    Slow(Duration),
-    /// The lobby ends.
-    #[error("the lobby is going down")]
-    Closing,
-}
-
-/// What the keeper is asked and what is reported to it.
-pub(super) enum Ask {
-    Start {
-        scene: String,
-        reply: oneshot::Sender<Result<Session, Refusal>>,
-    },
-    List(oneshot::Sender<Vec<Session>>),
-    End {
-        id: String,
-        /// True once it has ended; false if there is none of this id.
-        reply: oneshot::Sender<bool>,
-    },
-    /// The first line of a daemon.
-    Said {
-        id: String,
-        line: serde_json::Value,
-    },
-    /// A daemon says no more.
-    Closed(String),
-}
 
 /// A daemon, and who waits for it.
 struct Place {

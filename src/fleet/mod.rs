@@ -12,10 +12,13 @@ mod daemon;
 mod keeper;
 mod lobby;
 mod routes;
+mod session;
+mod settings;
 mod shelf;
 mod sidecar;
 
 pub use agones::{Agones, AgonesError, PORT_VARIABLE, port as agones_port};
-pub use keeper::{Refusal, Session, SessionState};
-pub use lobby::{Lobby, LobbyError, LobbySettings};
+pub use lobby::{Lobby, LobbyError};
+pub use session::{Refusal, Session, SessionState};
+pub use settings::LobbySettings;
 pub use shelf::{Offer, Shelf};

@@ -8,7 +8,7 @@
 //! | `DELETE /sessions/ID` | 204 once its daemon has ended |
 //! | `GET /healthz` | `ok` while daemons are looked after |
 
-use super::keeper::{Ask, Refusal, Session};
+use super::session::{Ask, Refusal, Session};
 use super::shelf::{Offer, Shelf};
 use axum::Router;
 use axum::body::Body;

@@ -10,7 +10,7 @@
 use super::answers::{key_of, reply, reply_json, reply_text};
 use super::clients::ClientLink;
 use super::contacts::Contacts;
-use super::declared::{Declared, Roles};
+use super::declared::{Declared, Inboxes, Roles};
 use super::devices::Devices;
 use super::edit::Edits;
 use super::events::Events;
@@ -221,9 +221,13 @@ impl BusThread {
             roles.player,
         )?;
         // Last, with the tokens that say that all of it is there.
-        let declared = Declared::new(
-            session_of, &keys, &scene, poses, &clients, &devices, &intake, roles,
-        )?;
+        let inboxes = Inboxes {
+            poses,
+            clients: &clients,
+            devices: &devices,
+            intake: &intake,
+        };
+        let declared = Declared::new(session_of, &keys, &scene, &inboxes, roles)?;
         let knives = match settings.editor {
             Some(_) => Knives::new(&scene),
             None => Knives::none(),

@@ -34,17 +34,30 @@ pub(super) struct Declared {
     recorder_key: String,
 }
 
+/// Where what comes in goes.
+pub(super) struct Inboxes<'a> {
+    /// (tools)
+    pub poses: &'a [Arc<PoseInbox>],
+    /// (tools)
+    pub clients: &'a [Arc<ClientLink>],
+    pub devices: &'a Devices,
+    pub intake: &'a Intake,
+}
+
 impl Declared {
     pub(super) fn new(
         session: &zenoh::Session,
         keys: &Keys,
         scene: &Scene,
-        poses: &[Arc<PoseInbox>],
-        clients: &[Arc<ClientLink>],
-        devices: &Devices,
-        intake: &Intake,
+        inboxes: &Inboxes<'_>,
         roles: Roles,
     ) -> zenoh::Result<Self> {
+        let Inboxes {
+            poses,
+            clients,
+            devices,
+            intake,
+        } = *inboxes;
         let mut tool_subscribers = Vec::new();
         for tool in 0..scene.tool_count() {
             let id = scene.tool_id(tool);

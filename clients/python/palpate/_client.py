@@ -313,8 +313,17 @@ class Tool:
         passivity
             Keep the device's port passive.
         """
+        options = {
+            "seconds": seconds,
+            "depth": depth,
+            "rate": rate,
+            "delay": delay,
+            "jitter": jitter,
+            "loss": loss,
+            "passivity": passivity,
+        }
         try:
-            report = device._drive(self._native, motion, seconds, depth, rate, delay, jitter, loss, passivity)
+            report = device._drive(self._native, motion, options)
         except NoAnswerError:
             self._session._check()
             raise

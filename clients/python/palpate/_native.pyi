@@ -307,18 +307,7 @@ class SimulatedDevice:
     def energy(self) -> dict[str, float]: ...
     def figures(self) -> tuple[dict[str, Any], dict[str, Any]]: ...
     def _figures_json(self) -> tuple[str, str]: ...
-    def _drive(
-        self,
-        tool: Tool,
-        motion: str,
-        seconds: float,
-        depth: float = 0.004,
-        rate: Optional[float] = None,
-        delay: float = 0.0,
-        jitter: float = 0.0,
-        loss: float = 0.0,
-        passivity: bool = False,
-    ) -> str: ...
+    def _drive(self, tool: Tool, motion: str, options: dict[str, Any]) -> str: ...
 
 class RecordingFile:
     def __new__(cls, path: _Path) -> RecordingFile: ...
@@ -421,18 +410,7 @@ def main(arguments: list[str]) -> int: ...
 def build_id() -> str: ...
 def message_json(name: str, payload: bytes) -> str: ...
 def to_html(recording: _Path, page: _Path, most: int) -> int: ...
-def merge(
-    surfaces: list[Surface],
-    continuity: int = 2,
-    method: str = "constrained",
-    degree: str = "raise",
-    grid: Optional[tuple[int, int]] = None,
-    edges: Optional[tuple[str, str]] = None,
-    hide: list[tuple[int, str, tuple[float, float]]] = ...,
-    find_overlap: bool = True,
-    tolerance: Optional[float] = None,
-    hidden: Optional[str] = None,
-) -> tuple[Surface, str]: ...
+def merge(surfaces: list[Surface], options: dict[str, Any]) -> tuple[Surface, str]: ...
 def isolate(
     surfaces: list[Surface],
     method: str = "global",
@@ -441,23 +419,8 @@ def isolate(
     fall_back: bool = True,
 ) -> tuple[list[list[float]], str]: ...
 def pipe(
-    degree: int,
-    knots: ArrayLike,
-    points: ArrayLike,
-    weights: Optional[ArrayLike] = None,
-    periodic: bool = False,
-    radius: Optional[float] = None,
-    tolerance: Optional[float] = None,
+    spine: dict[str, Any], radius: Optional[float] = None, tolerance: Optional[float] = None
 ) -> tuple[Optional[Surface], str]: ...
 def branch(tree: str) -> tuple[Surface, str]: ...
-def fit(
-    points: Any,
-    net: Optional[tuple[int, int]] = None,
-    degree: int = 3,
-    closed: bool = False,
-    smoothing: Optional[float] = None,
-    grid: bool = False,
-    periodic: tuple[bool, bool] = (False, False),
-    unit: str = "m",
-) -> tuple[Surface, float, float]: ...
+def fit(points: Any, options: dict[str, Any]) -> tuple[Surface, float, float]: ...
 def toml_text(values: Any) -> str: ...

@@ -182,9 +182,18 @@ def merge(
     SurfaceError
         Patches that cannot be joined, with what would help.
     """
-    surface, report = _native.merge(
-        list(surfaces), continuity, method, degree, grid, edges, list(hide), find_overlap, tolerance, hidden
-    )
+    options = {
+        "continuity": continuity,
+        "method": method,
+        "degree": degree,
+        "grid": grid,
+        "edges": edges,
+        "hide": list(hide),
+        "find_overlap": find_overlap,
+        "tolerance": tolerance,
+        "hidden": hidden,
+    }
+    surface, report = _native.merge(list(surfaces), options)
     return Merged(surface, **json.loads(report))
 
 
@@ -251,15 +260,7 @@ def pipe(
     missing = {"degree", "knots", "points"} - set(given)
     if unknown or missing:
         raise ValueError(f"a curve has degree, knots and points: unknown {sorted(unknown)}, missing {sorted(missing)}")
-    surface, text = _native.pipe(
-        given["degree"],
-        given["knots"],
-        given["points"],
-        given.get("weights"),
-        given.get("periodic", False),
-        radius,
-        tolerance,
-    )
+    surface, text = _native.pipe({"weights": None, "periodic": False, **given}, radius, tolerance)
     report = json.loads(text)
     if radius is not None and report["free"] is not True and not force:
         words = "intersects itself" if report["free"] is False else "may intersect itself"
@@ -329,4 +330,13 @@ def fit(
     given = points.points if isinstance(points, Mesh) else points
     if isinstance(given, os.PathLike):
         given = os.fspath(given)
-    return Fit(*_native.fit(given, net, degree, closed, smoothing, grid, periodic, unit))
+    options = {
+        "net": net,
+        "degree": degree,
+        "closed": closed,
+        "smoothing": smoothing,
+        "grid": grid,
+        "periodic": periodic,
+        "unit": unit,
+    }
+    return Fit(*_native.fit(given, options))

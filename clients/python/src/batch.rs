@@ -5,11 +5,12 @@
 //! both with the GIL. So a view cannot be torn, whoever holds it.
 
 use crate::arrays::{Arrays, RESULTS, view, write_result};
+use crate::built::Built;
 use crate::closest::cores;
 use crate::errors::{busy, internal};
 use crate::output::push_contact;
 use crate::pose::{Pose, of_numbers};
-use crate::scene::{Built, Scene};
+use crate::scene::Scene;
 use crate::ticks::{INTERRUPTS, Loop, advance};
 use crate::values::{is_watched, structured};
 use crate::vary::Varied;

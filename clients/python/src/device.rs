@@ -29,6 +29,19 @@ fn text_of(name: &str) -> PyResult<Option<String>> {
         .map_err(|error| crate::errors::os_error(path, &error))
 }
 
+/// The keywords of `Tool.drive`, as a dictionary.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+struct DriveOptions {
+    seconds: f64,
+    depth: f64,
+    rate: Option<f64>,
+    delay: f64,
+    jitter: f64,
+    loss: f64,
+    passivity: bool,
+}
+
 /// A haptic device with a hand on it, stepped one servo period at a time.
 ///
 /// Parameters
@@ -187,20 +200,14 @@ impl SimulatedDevice {
     }
 
     /// [`crate::client`]'s `Tool.drive`.
-    #[pyo3(signature = (tool, motion, seconds, depth=0.004, rate=None, delay=0.0, jitter=0.0, loss=0.0, passivity=false))]
     fn _drive(
         &self,
         py: Python<'_>,
         tool: &Tool,
         motion: &str,
-        seconds: f64,
-        depth: f64,
-        rate: Option<f64>,
-        delay: f64,
-        jitter: f64,
-        loss: f64,
-        passivity: bool,
+        options: DriveOptions,
     ) -> PyResult<String> {
+        let DriveOptions { seconds, depth, .. } = options;
         if !(seconds.is_finite() && seconds > 0.0) {
             return Err(PyValueError::new_err(format!(
                 "seconds is {seconds}; it must be finite and above 0"
@@ -214,23 +221,23 @@ impl SimulatedDevice {
         };
         let motion = motion.map_err(refused)?;
         let (model, seed) = (self.locked().model().clone(), self.seed);
-        tool.announce_info(py, &model.info(delay))?;
+        tool.announce_info(py, &model.info(options.delay))?;
         let own_hz = if tool.is_lockstep() {
             1e9 / scene.dt_ns as f64
         } else {
             model.rate_hz
         };
         let settings = RunSettings {
-            rate_hz: rate.unwrap_or(own_hz),
+            rate_hz: options.rate.unwrap_or(own_hz),
             duration_s: seconds,
             network: Network {
-                delay_s: delay,
-                jitter_s: jitter,
-                loss,
+                delay_s: options.delay,
+                jitter_s: options.jitter,
+                loss: options.loss,
                 reorder: 0.0,
                 seed,
             },
-            passivity,
+            passivity: options.passivity,
             patience: PATIENCE,
         };
         if !(1.0..=20_000.0).contains(&settings.rate_hz) {

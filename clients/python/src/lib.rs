@@ -11,6 +11,7 @@
 
 mod arrays;
 mod batch;
+mod built;
 #[cfg(feature = "daemon")]
 mod client;
 mod closest;

@@ -41,21 +41,27 @@ fn plain(surfaces: &[PyRef<'_, Surface>]) -> Vec<surface::Surface> {
         .collect()
 }
 
-/// Joins patches into one surface; returns it with a report as JSON.
-#[pyfunction]
-#[pyo3(signature = (surfaces, continuity=2, method="constrained", degree="raise", grid=None, edges=None, hide=vec![], find_overlap=true, tolerance=None, hidden=None))]
-pub fn merge(
-    py: Python<'_>,
-    surfaces: Vec<PyRef<'_, Surface>>,
+/// The keywords of `merge`, as a dictionary.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct MergeOptions {
     continuity: usize,
-    method: &str,
-    degree: &str,
+    method: String,
+    degree: String,
     grid: Option<(usize, usize)>,
     edges: Option<(String, String)>,
     hide: Vec<(usize, String, (f64, f64))>,
     find_overlap: bool,
     tolerance: Option<f64>,
-    hidden: Option<&str>,
+    hidden: Option<String>,
+}
+
+/// Joins patches into one surface; returns it with a report as JSON.
+#[pyfunction]
+pub fn merge(
+    py: Python<'_>,
+    surfaces: Vec<PyRef<'_, Surface>>,
+    options: MergeOptions,
 ) -> PyResult<(Surface, String)> {
     let edge = |name: &str| {
         choice(
@@ -69,7 +75,7 @@ pub fn merge(
             ],
         )
     };
-    let arrangement = match (grid, edges) {
+    let arrangement = match (options.grid, options.edges) {
         (Some(_), Some(_)) => {
             return Err(PyValueError::new_err("grid and edges exclude each other"));
         }
@@ -80,7 +86,7 @@ pub fn merge(
             columns => Arrangement::Grid { rows: 1, columns },
         },
     };
-    let ranges = hide.into_iter().map(|(patch, direction, (a, b))| {
+    let ranges = options.hide.into_iter().map(|(patch, direction, (a, b))| {
         Ok(Hidden {
             patch,
             direction: direction_of(&direction)?,
@@ -93,20 +99,20 @@ pub fn merge(
         ("exact", MergeMethod::Exact),
     ];
     let spec = MergeSpec {
-        continuity,
-        method: choice("method", method, &methods)?,
+        continuity: options.continuity,
+        method: choice("method", &options.method, &methods)?,
         degree: choice(
             "degree",
-            degree,
+            &options.degree,
             &[("raise", DegreeRule::Raise), ("lower", DegreeRule::Lower)],
         )?,
         arrangement,
         hidden: ranges.collect::<PyResult<_>>()?,
-        hide_by: hidden
-            .map(|name| choice("hidden", name, &HideBy::ALL))
+        hide_by: (options.hidden)
+            .map(|name| choice("hidden", &name, &HideBy::ALL))
             .transpose()?,
-        find_overlap,
-        tolerance_m: tolerance,
+        find_overlap: options.find_overlap,
+        tolerance_m: options.tolerance,
         ..MergeSpec::default()
     };
     let surfaces = plain(&surfaces);
@@ -189,27 +195,31 @@ pub fn isolate(
     })
 }
 
-/// A curve from degree, knots, points (n, 3) and weights.
-fn curve(
+/// A curve as a dictionary: degree, knots, points (n, 3) and weights.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct CurveArrays<'py> {
     degree: usize,
-    knots: &Bound<'_, PyAny>,
-    control: &Bound<'_, PyAny>,
-    weights: Option<&Bound<'_, PyAny>>,
+    knots: Bound<'py, PyAny>,
+    points: Bound<'py, PyAny>,
+    weights: Option<Bound<'py, PyAny>>,
     periodic: bool,
-) -> PyResult<Curve> {
-    let knots = slice(&array(knots, "knots")?).to_vec();
-    let knots = if periodic {
-        KnotVector::periodic(degree, knots)
+}
+
+fn curve(given: &CurveArrays<'_>) -> PyResult<Curve> {
+    let knots = slice(&array(&given.knots, "knots")?).to_vec();
+    let knots = if given.periodic {
+        KnotVector::periodic(given.degree, knots)
     } else {
-        KnotVector::new(degree, knots)
+        KnotVector::new(given.degree, knots)
     };
-    let (points, shape) = points(control, "points")?;
+    let (points, shape) = points(&given.points, "points")?;
     if shape.len() != 1 {
         return Err(PyValueError::new_err(
             "points of a curve must have the shape (n, 3)",
         ));
     }
-    let weights = weights
+    let weights = (given.weights.as_ref())
         .map(|weights| Ok::<_, PyErr>(slice(&array(weights, "weights")?).to_vec()))
         .transpose()?;
     Curve::new(knots.map_err(surface_error)?, points, weights).map_err(surface_error)
@@ -217,18 +227,14 @@ fn curve(
 
 /// The largest radius of a pipe around a curve, and the pipe of a given radius; JSON and surface.
 #[pyfunction]
-#[pyo3(signature = (degree, knots, points, weights=None, periodic=false, radius=None, tolerance=None))]
+#[pyo3(signature = (spine, radius=None, tolerance=None))]
 pub fn pipe(
     py: Python<'_>,
-    degree: usize,
-    knots: &Bound<'_, PyAny>,
-    points: &Bound<'_, PyAny>,
-    weights: Option<&Bound<'_, PyAny>>,
-    periodic: bool,
+    spine: CurveArrays<'_>,
     radius: Option<f64>,
     tolerance: Option<f64>,
 ) -> PyResult<(Option<Surface>, String)> {
-    let curve = curve(degree, knots, points, weights, periodic)?;
+    let curve = curve(&spine)?;
     if let Some(radius) = radius.filter(|radius| !(radius.is_finite() && *radius > 0.0)) {
         return Err(PyValueError::new_err(format!(
             "radius is {radius}; it must be a finite length above 0, m"
@@ -266,23 +272,38 @@ pub fn branch(py: Python<'_>, tree: &str) -> PyResult<(Surface, String)> {
     })
 }
 
-/// A surface near points; with root-mean-square and largest distance, m.
-#[pyfunction]
-#[pyo3(signature = (points, net=None, degree=3, closed=false, smoothing=None, grid=false, periodic=(false, false), unit="m"))]
-pub fn fit(
-    py: Python<'_>,
-    points: &Bound<'_, PyAny>,
+/// The keywords of `fit`, as a dictionary.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct FitOptions {
     net: Option<(usize, usize)>,
     degree: usize,
     closed: bool,
     smoothing: Option<f64>,
     grid: bool,
     periodic: (bool, bool),
-    unit: &str,
+    unit: String,
+}
+
+/// A surface near points; with root-mean-square and largest distance, m.
+#[pyfunction]
+pub fn fit(
+    py: Python<'_>,
+    points: &Bound<'_, PyAny>,
+    options: FitOptions,
 ) -> PyResult<(Surface, f64, f64)> {
+    let FitOptions {
+        net,
+        degree,
+        closed,
+        smoothing,
+        grid,
+        periodic,
+        ..
+    } = options;
     let unit = choice(
         "unit",
-        unit,
+        &options.unit,
         &[("m", Unit::Metre), ("mm", Unit::Millimetre)],
     )?;
     let (list, shape) = match points.extract::<PathBuf>() {

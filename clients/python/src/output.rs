@@ -1,6 +1,6 @@
 //! What comes out of a tick.
 
-use crate::scene::Built;
+use crate::built::Built;
 use crate::values::{python, structured};
 use numpy::PyArray1;
 use palpate_geometry::math::Vector3;

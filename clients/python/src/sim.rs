@@ -1,9 +1,10 @@
 //! One simulation in this process: the daemon's own step function, without a clock.
 
+use crate::built::Built;
 use crate::errors::{busy, raised, surface_error};
 use crate::output::{Output, depth};
 use crate::pose::{Pose, of_numbers};
-use crate::scene::{Built, Scene};
+use crate::scene::Scene;
 use crate::snapshot::Snapshot;
 use crate::surface::Surface;
 use crate::ticks::{Loop, interruptible};

@@ -1,8 +1,9 @@
 //! Values of a scene that differ from copy to copy.
 
+use crate::built::Built;
 use crate::errors::internal;
 use crate::overrides::set_value;
-use crate::scene::{Built, built_from};
+use crate::scene::built_from;
 use crate::values::toml_value;
 use palpate_sim::scene::Scene;
 use pyo3::exceptions::PyValueError;

@@ -510,7 +510,7 @@ mod tests {
         ToolPose {
             seq,
             t_client_ns: 1_000 + seq,
-            ..pose_at([0.0; 3])
+            ..crate::pose_at([0.0; 3])
         }
     }
 

@@ -14,6 +14,15 @@ pub enum Skin {
     Part(PlacedPart),
 }
 
+/// A body as contact queries take it.
+#[derive(Debug)]
+pub struct SkinSide<'a> {
+    /// As it stands.
+    pub skin: &'a Skin,
+    /// Its solver.
+    pub solver: &'a mut SkinSolver,
+}
+
 /// A part where it stands.
 #[derive(Clone, Debug)]
 pub struct PlacedPart {

@@ -32,11 +32,11 @@ pub(super) enum Mail {
         detail: String,
     },
     /// What comes when the stream so far has ended.
-    Next(Box<NextScene>),
+    Next(Box<KeptScene>),
 }
 
-/// Another scene that the loop may go on with.
-pub(super) struct NextScene {
+/// A scene that the loop runs, or may go on with.
+pub(super) struct KeptScene {
     pub stream: TickStream,
     pub head: Arc<Head>,
     pub views: Option<Views>,
@@ -88,19 +88,29 @@ struct OpenRecording {
     asked: Option<u64>,
 }
 
-pub(super) struct Keeper {
-    pub stream: TickStream,
-    pub head: Arc<Head>,
+/// Where files go.
+pub(super) struct Shelf {
     pub disk: Arc<dyn Disk>,
-    pub views: Option<Views>,
-    pub split: Split,
     pub directory: PathBuf,
-    pub memory: Option<Memory>,
+    pub split: Split,
+}
+
+/// What the thread shares with others.
+pub(super) struct KeeperEnds {
     pub gauges: Arc<JournalGauges>,
+    /// Since when ticks are wanted; 0: none are.
     pub wanted: Arc<AtomicU32>,
     pub stop: Arc<AtomicBool>,
     pub mail: Receiver<Mail>,
     pub news: Sender<ArchiveNews>,
+}
+
+pub(super) struct Keeper {
+    scene: KeptScene,
+    shelf: Shelf,
+    /// The last seconds.
+    memory: Option<Memory>,
+    pub ends: KeeperEnds,
     recording: Option<OpenRecording>,
     snapshots: Vec<Snapshot>,
     closing: Vec<Closing>,
@@ -112,7 +122,7 @@ pub(super) struct Keeper {
     reported: (u64, Instant),
     generation: u32,
     /// Scenes made, in order; the loop took some of them.
-    next: VecDeque<NextScene>,
+    next: VecDeque<KeptScene>,
     report: RecordingReport,
 }
 
@@ -132,35 +142,13 @@ const END_WITHIN: Duration = Duration::from_secs(10);
 const TELL_EVERY: Duration = Duration::from_secs(1);
 
 impl Keeper {
-    #[allow(clippy::too_many_arguments)]
-    pub fn new(
-        stream: TickStream,
-        head: Arc<Head>,
-        disk: Arc<dyn Disk>,
-        views: Option<Views>,
-        split: Split,
-        directory: PathBuf,
-        memory: Option<Memory>,
-        gauges: Arc<JournalGauges>,
-        wanted: Arc<AtomicU32>,
-        stop: Arc<AtomicBool>,
-        mail: Receiver<Mail>,
-        news: Sender<ArchiveNews>,
-    ) -> Self {
-        let reported = (0, disk.now());
+    pub fn new(scene: KeptScene, shelf: Shelf, memory: Option<Memory>, ends: KeeperEnds) -> Self {
+        let reported = (0, shelf.disk.now());
         let mut keeper = Self {
-            stream,
-            head,
-            disk,
-            views,
-            split,
-            directory,
+            scene,
+            shelf,
             memory,
-            gauges,
-            wanted,
-            stop,
-            mail,
-            news,
+            ends,
             recording: None,
             snapshots: Vec::new(),
             closing: Vec::new(),
@@ -180,11 +168,11 @@ impl Keeper {
         check_name(path)?;
         let dropped = self.dropped();
         let parts = Parts::begin(
-            &self.disk,
-            &self.head,
-            self.views.as_ref(),
+            &self.shelf.disk,
+            &self.scene.head,
+            self.scene.views.as_ref(),
             path,
-            self.split,
+            self.shelf.split,
             dropped,
         )?;
         self.generation += 1;
@@ -202,12 +190,12 @@ impl Keeper {
     }
 
     fn dropped(&self) -> u64 {
-        self.gauges.dropped.load(Ordering::Relaxed)
+        self.ends.gauges.dropped.load(Ordering::Relaxed)
     }
 
     fn tell(&self, news: ArchiveNews) {
         // No one listens when no bus runs.
-        let _ = self.news.send(news);
+        let _ = self.ends.news.send(news);
     }
 
     /// Tells the tick thread whether anyone wants ticks, and since when.
@@ -216,8 +204,7 @@ impl Keeper {
         if any {
             self.generation = self.generation.max(1);
         }
-        self.wanted
-            .store(if any { self.generation } else { 0 }, Ordering::Release);
+        (self.ends.wanted).store(if any { self.generation } else { 0 }, Ordering::Release);
         self.show();
     }
 
@@ -229,13 +216,13 @@ impl Keeper {
             (None, None) if self.memory.is_some() => keeping::RING,
             (None, None) => keeping::OFF,
         };
-        self.gauges.state.store(state, Ordering::Relaxed);
+        self.ends.gauges.state.store(state, Ordering::Relaxed);
     }
 
     /// Runs until it is asked to stop and everything is written.
     pub fn run(mut self) -> RecordingReport {
         loop {
-            let stop = self.stop.load(Ordering::Acquire);
+            let stop = self.ends.stop.load(Ordering::Acquire);
             self.turn(stop);
             if stop {
                 break;
@@ -247,7 +234,7 @@ impl Keeper {
 
     /// Takes what has come. `stop`: the loop has ended, and nothing comes after it.
     pub fn turn(&mut self, stop: bool) {
-        while let Ok(mail) = self.mail.try_recv() {
+        while let Ok(mail) = self.ends.mail.try_recv() {
             match mail {
                 Mail::Ask { id, request } => self.answer(id, request),
                 Mail::Event { tick, kind, detail } => {
@@ -268,9 +255,9 @@ impl Keeper {
         self.end_recording(None);
         self.end_snapshots();
         self.write_snapshots(usize::MAX);
-        let begun = self.disk.now();
+        let begun = self.shelf.disk.now();
         while !self.closing.is_empty() {
-            let waited = self.disk.now().saturating_duration_since(begun);
+            let waited = self.shelf.disk.now().saturating_duration_since(begun);
             if let Some(left) = END_WITHIN.checked_sub(waited)
                 && self.close(left)
             {
@@ -294,9 +281,10 @@ impl Keeper {
         loop {
             self.next.retain(|next| !next.stream.is_unused());
             // Asked first: what came before it was abandoned is there by now.
-            let over = self.stream.is_abandoned() && !self.next.is_empty();
+            let over = self.scene.stream.is_abandoned() && !self.next.is_empty();
             let mut messages = Vec::new();
-            self.stream
+            self.scene
+                .stream
                 .drain(stop || over, |message| messages.push(message));
             messages.into_iter().for_each(|message| self.keep(message));
             match self.next.pop_front() {
@@ -309,17 +297,19 @@ impl Keeper {
 
     /// Another scene is another file: each can be replayed alone. Seconds in memory begin anew,
     /// snapshots end here.
-    fn change_scene(&mut self, next: NextScene) {
+    fn change_scene(&mut self, next: KeptScene) {
         self.end_snapshots();
         if let Some(memory) = &mut self.memory {
             memory.clear();
         }
-        let (stats, dropped) = (self.stream.stats(), self.dropped());
-        (self.stream, self.head, self.views) = (next.stream, next.head, next.views);
+        let (stats, dropped) = (self.scene.stream.stats(), self.dropped());
+        self.scene = next;
         let mut changed = Ok(());
         if let Some(recording) = &mut self.recording {
-            let views = self.views.as_ref();
-            changed = recording.parts.change(&self.head, views, &stats, dropped);
+            let views = self.scene.views.as_ref();
+            changed = recording
+                .parts
+                .change(&self.scene.head, views, &stats, dropped);
         }
         self.take_parts();
         if let Err(error) = changed {
@@ -342,7 +332,7 @@ impl Keeper {
                 recording.begun = true;
                 if let Some(id) = recording.asked.take() {
                     let path = recording.parts.path().to_owned();
-                    let _ = self.news.send(ArchiveNews::Done {
+                    let _ = self.ends.news.send(ArchiveNews::Done {
                         id,
                         tick: message.tick + 1,
                         path,
@@ -359,7 +349,7 @@ impl Keeper {
                 self.fail(error);
             }
         } else if self.report.failure.is_some() && message.is_tick() {
-            self.gauges.dropped.fetch_add(1, Ordering::Relaxed);
+            self.ends.gauges.dropped.fetch_add(1, Ordering::Relaxed);
         }
         for snapshot in &mut self.snapshots {
             if !snapshot.complete {
@@ -372,10 +362,10 @@ impl Keeper {
     /// Says in the recording and in the log that records were lost, if that was not said within this
     /// time: the status counts them.
     fn tell_losses(&mut self, every: Duration) {
-        let (dropped, now) = (self.dropped(), self.disk.now());
+        let (dropped, now) = (self.dropped(), self.shelf.disk.now());
         let lost = dropped - self.reported.0;
         let keeps = self.recording.is_some() || self.memory.is_some();
-        if !keeps || self.gauges.state.load(Ordering::Relaxed) == keeping::FAILED {
+        if !keeps || self.ends.gauges.state.load(Ordering::Relaxed) == keeping::FAILED {
             // After a failure that was reported, all are.
             self.reported.0 = dropped;
         } else if lost > 0 && now.saturating_duration_since(self.reported.1) >= every {
@@ -383,7 +373,7 @@ impl Keeper {
             let words = format!("{lost} records: the disk did not take them in time");
             tracing::warn!(lost, "records lost: the disk did not take them in time");
             self.keep(Message::event(
-                self.stream.last_tick(),
+                self.scene.stream.last_tick(),
                 "records_lost",
                 &words,
             ));
@@ -395,7 +385,7 @@ impl Keeper {
         if let Some(recording) = &mut self.recording {
             failed = recording.parts.flush_if_due().err();
             let bytes = self.bytes_before + recording.parts.bytes();
-            self.gauges.bytes.store(bytes, Ordering::Relaxed);
+            self.ends.gauges.bytes.store(bytes, Ordering::Relaxed);
         }
         if let Some(error) = failed {
             self.fail(error);
@@ -408,7 +398,7 @@ impl Keeper {
             return;
         };
         let generation = recording.generation;
-        let since = self.disk.now();
+        let since = self.shelf.disk.now();
         let ended = recording.parts.closing.drain(..).map(|file| Closing {
             file,
             of: Whose::Part { generation },
@@ -422,7 +412,7 @@ impl Keeper {
     /// Looks which files the disk has by now; waits for the oldest of them for so long. False if it
     /// has none.
     fn close(&mut self, within: Duration) -> bool {
-        let now = self.disk.now();
+        let now = self.shelf.disk.now();
         let (mut at, mut any, mut behind) = (0, false, false);
         while at < self.closing.len() {
             let closing = &mut self.closing[at];
@@ -449,7 +439,7 @@ impl Keeper {
                         && let Some(id) = asked.take()
                     {
                         let reason = closing.file.unconfirmed(ANSWER_WITHIN).to_string();
-                        let _ = self.news.send(ArchiveNews::Refused { id, reason });
+                        let _ = self.ends.news.send(ArchiveNews::Refused { id, reason });
                     }
                     at += 1;
                 }
@@ -531,14 +521,16 @@ impl Keeper {
         self.bytes_before += recording.parts.bytes();
         if let Some(memory) = &mut self.memory {
             memory.push(&Arc::new(Message::event(
-                self.stream.last_tick(),
+                self.scene.stream.last_tick(),
                 "record_failed",
                 &error.to_string(),
             )));
         }
         self.failed(recording.parts.path().to_owned(), recording.asked, error);
         // Ticks go on coming, to be counted as lost.
-        self.wanted.store(self.generation.max(1), Ordering::Release);
+        self.ends
+            .wanted
+            .store(self.generation.max(1), Ordering::Release);
     }
 
     /// Ends the recording, if there is one. `asked` is answered when the disk has it.
@@ -550,12 +542,12 @@ impl Keeper {
         self.refuse(recording.asked, "it was ended before its first tick");
         self.bytes_before += recording.parts.bytes();
         let path = recording.parts.path().to_owned();
-        let stats = self.stream.stats();
+        let stats = self.scene.stream.stats();
         match recording.parts.finish(&stats, self.dropped()) {
             Ok(file) => self.closing.push(Closing {
                 file,
                 of: Whose::Recording { asked },
-                since: self.disk.now(),
+                since: self.shelf.disk.now(),
             }),
             Err(error) => self.failed(path, asked, error),
         }
@@ -573,7 +565,7 @@ impl Keeper {
                 if self.is_crowded() {
                     return self.tell(refused(CROWDED.into()));
                 }
-                let begun = place(&self.directory, path, "session").and_then(|path| {
+                let begun = place(&self.shelf.directory, path, "session").and_then(|path| {
                     self.report.failure = None;
                     self.begin(&path, Some(id))
                         .map_err(|error| error.to_string())
@@ -612,26 +604,26 @@ impl Keeper {
         if self.is_crowded() {
             return Err(CROWDED.into());
         }
-        let dt_s = self.head.dt_ns as f64 * 1e-9;
+        let dt_s = self.scene.head.dt_ns as f64 * 1e-9;
         let ticks = |name: &str, seconds: f64| match (0.0..=3_600.0).contains(&seconds) {
             true => Ok((seconds / dt_s).round() as u64),
             false => Err(format!(
                 "{name} is {seconds} s; it must be between 0 and 3600"
             )),
         };
-        let now = self.stream.last_tick();
+        let now = self.scene.stream.last_tick();
         let (from, to) = (
             now.saturating_sub(ticks("before", before_s)?),
             now + ticks("after", after_s)?,
         );
-        let path = place(&self.directory, path, "snapshot")?;
+        let path = place(&self.shelf.directory, path, "snapshot")?;
         let position = [("snapshot_tick", now.to_string())];
         let file = SessionFile::create(
-            &*self.disk,
+            &*self.shelf.disk,
             &path,
-            &self.head,
+            &self.scene.head,
             &position,
-            self.views.clone(),
+            self.scene.views.clone(),
         );
         let backlog: VecDeque<_> = memory.since(from).cloned().collect();
         self.snapshots.push(Snapshot {
@@ -654,7 +646,7 @@ impl Keeper {
 
     /// Writes what snapshots lack: of each at most so many bytes and a message.
     fn write_snapshots(&mut self, slice: usize) {
-        let (now, dropped) = (self.disk.now(), self.dropped());
+        let (now, dropped) = (self.shelf.disk.now(), self.dropped());
         let mut at = 0;
         while at < self.snapshots.len() {
             let snapshot = &mut self.snapshots[at];

@@ -5,7 +5,7 @@ use super::disk::{Disk, FileSystem};
 use super::file::SessionFile;
 use super::format::WriteError;
 use super::head::Head;
-use super::keeper::{Keeper, Mail, NextScene};
+use super::keeper::{Keeper, KeeperEnds, KeptScene, Mail, Shelf};
 use super::memory::Memory;
 use super::parts::Split;
 use super::port::{RecorderPort, port};
@@ -92,8 +92,8 @@ impl Recorder {
         let path = settings.path.clone();
         let changes_text = (settings.scene_text.clone(), settings.extra.clone());
         let (keeper, mail, news_out, port) = keeper(settings, scene)?;
-        let (gauges, wanted) = (keeper.gauges.clone(), keeper.wanted.clone());
-        let stop = keeper.stop.clone();
+        let (gauges, wanted) = (keeper.ends.gauges.clone(), keeper.ends.wanted.clone());
+        let stop = keeper.ends.stop.clone();
         let thread = std::thread::Builder::new()
             .name("palpate-recorder".into())
             .spawn(move || keeper.run())
@@ -190,7 +190,7 @@ impl SteppedRecorder {
 
     /// Bytes, losses and state.
     pub fn gauges(&self) -> &JournalGauges {
-        &self.keeper.gauges
+        &self.keeper.ends.gauges
     }
 }
 
@@ -223,18 +223,24 @@ fn keeper(
     let (mail, mail_out) = channel();
     let (news, news_out) = channel();
     let mut keeper = Keeper::new(
-        stream,
-        Arc::new(head),
-        settings.disk,
-        views,
-        settings.split,
-        settings.directory,
+        KeptScene {
+            stream,
+            head: Arc::new(head),
+            views,
+        },
+        Shelf {
+            disk: settings.disk,
+            directory: settings.directory,
+            split: settings.split,
+        },
         memory,
-        gauges.clone(),
-        wanted.clone(),
-        stop.clone(),
-        mail_out,
-        news,
+        KeeperEnds {
+            gauges,
+            wanted,
+            stop,
+            mail: mail_out,
+            news,
+        },
     );
     if let Some(path) = &settings.path {
         keeper.begin(path, None)?;
@@ -263,7 +269,7 @@ impl SceneChanges {
         let mut head = Head::new(scene, &self.scene_text, &scene.spec, stream.bodies.clone())?;
         head.extra.extend(self.extra.clone());
         head.extra.insert("scene_change".into(), what.to_owned());
-        let next = NextScene {
+        let next = KeptScene {
             stream,
             head: Arc::new(head),
             views: Views::of(scene),

@@ -10,21 +10,15 @@ mod engines;
 mod setup;
 
 use self::engines::{Frame, Outcome, outcomes};
-use self::setup::{Setup, Thing};
+use self::setup::{
+    BALL_M, DENSITY_KG_M3, DT_S, GRAVITY_M_S2, HEIGHT_M, Motion, RADIUS_M, Setup, Thing,
+};
 use super::Suite;
 use crate::measure::Times;
 use crate::table::seconds;
 use crate::{Effort, Row};
 use palpate_geometry::math::Vector3;
 
-const DT_S: f64 = 1e-3;
-const GRAVITY_M_S2: f64 = 9.81;
-/// Of the pucks, m.
-const RADIUS_M: f64 = 0.02;
-const HEIGHT_M: f64 = 0.02;
-/// Of the balls, m.
-const BALL_M: f64 = 0.03;
-const DENSITY_KG_M3: f64 = 1000.0;
 /// Between the pucks of a stack before they fall on each other, m.
 const GAP_M: f64 = 2e-5;
 /// Of a stack and a slope.
@@ -264,7 +258,7 @@ fn gained_j(setup: &Setup, frames: &[Frame]) -> f64 {
     let gravity = Vector3::from(setup.gravity_m_s2);
     let gained = |frame: &Frame| -> f64 {
         let both = setup.things.iter().zip(&frame.bodies);
-        let of = |(thing, body): (&Thing, &engines::Motion)| {
+        let of = |(thing, body): (&Thing, &Motion)| {
             let fell = Vector3::from(body.centre_m) - Vector3::from(thing.centre_m());
             thing.energy_j(body) - thing.mass_kg() * gravity.dot(&fell)
         };

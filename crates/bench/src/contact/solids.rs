@@ -12,7 +12,7 @@ use palpate_geometry::contact::mesh::MeshSolver;
 use palpate_geometry::contact::spheres::{Solid, Spheres};
 use palpate_geometry::contact::{ContactSet, Reach};
 use palpate_geometry::math::{Point3, Vector3};
-use palpate_geometry::skin::{Skin, SkinSolver};
+use palpate_geometry::skin::{Skin, SkinSide, SkinSolver};
 use palpate_geometry::surface::{ClosestSolver, Surface, WarmFoot};
 
 impl Suite<'_> {
@@ -170,8 +170,10 @@ impl Suite<'_> {
             let (time, ()) = clocked(|| {
                 solver.net_changed();
                 exact.contacts(
-                    &skin,
-                    &mut solver,
+                    SkinSide {
+                        skin: &skin,
+                        solver: &mut solver,
+                    },
                     &tools[k].tool,
                     &tools[k].pose,
                     &Reach::TOUCH,
@@ -218,8 +220,10 @@ impl Suite<'_> {
             let (time, ()) = clocked(|| {
                 solver.net_changed();
                 exact.contacts(
-                    &skin,
-                    &mut solver,
+                    SkinSide {
+                        skin: &skin,
+                        solver: &mut solver,
+                    },
                     &tool_mesh.tool,
                     &poses[k],
                     &Reach::TOUCH,

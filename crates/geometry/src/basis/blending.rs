@@ -9,7 +9,7 @@
 //! then gives back the digits that squaring A has cost.
 
 use super::KnotVector;
-use std::ops::{AddAssign, Mul, Range, SubAssign};
+use std::ops::{AddAssign, Mul, SubAssign};
 
 /// What can be blended: a number or a vector.
 pub trait Blendable: Copy + Default + Mul<f64, Output = Self> + AddAssign + SubAssign {}
@@ -96,23 +96,6 @@ impl Blending {
                 value,
             )
         })
-    }
-
-    /// The rows of a range, every `step`-th of them: a part of the surface, a coarser level.
-    pub fn subset(&self, range: Range<usize>, step: usize) -> Self {
-        let kept: Vec<usize> = range.step_by(step.max(1)).collect();
-        Self {
-            columns: self.columns,
-            width: self.width,
-            parameters: kept.iter().map(|&row| self.parameters[row]).collect(),
-            first: kept.iter().map(|&row| self.first[row]).collect(),
-            values: std::array::from_fn(|order| {
-                kept.iter()
-                    .flat_map(|&row| self.row(row, order).1)
-                    .copied()
-                    .collect()
-            }),
-        }
     }
 
     /// `out = A^(order) points`: samples of a curve, (columns) → (rows).
@@ -225,15 +208,6 @@ impl BlendingInverse {
     /// The matrix it inverts.
     pub fn blending(&self) -> &Blending {
         &self.blending
-    }
-
-    /// Number of control points that the samples alone do not determine.
-    pub fn undetermined(&self) -> usize {
-        if self.blending.rows() == 0 {
-            self.blending.columns()
-        } else {
-            self.ties.len()
-        }
     }
 
     /// Control points of the best curve, (rows) samples → (columns) points; `scratch` is (rows +
@@ -376,6 +350,14 @@ mod tests {
             .collect()
     }
 
+    /// Number of control points that the samples alone do not determine.
+    fn undetermined(inverse: &BlendingInverse) -> usize {
+        match inverse.blending.rows() {
+            0 => inverse.blending.columns(),
+            _ => inverse.ties.len(),
+        }
+    }
+
     #[test]
     fn rows_are_those_of_the_recursive_definition() {
         let mut random = Random(71);
@@ -419,7 +401,7 @@ mod tests {
                     let mut samples = vec![0.0; blending.rows()];
                     blending.apply(0, &points, &mut samples);
                     let inverse = BlendingInverse::new(blending);
-                    assert_eq!(inverse.undetermined(), 0, "{knots:?}");
+                    assert_eq!(undetermined(&inverse), 0, "{knots:?}");
                     let mut found = vec![0.0; points.len()];
                     inverse.fit(
                         &samples,
@@ -498,11 +480,11 @@ mod tests {
                 distinct.dedup();
                 let least = 12 - distinct.len().min(12);
                 assert!(
-                    (least..=12).contains(&inverse.undetermined()),
+                    (least..=12).contains(&undetermined(&inverse)),
                     "{} of {least}",
-                    inverse.undetermined()
+                    undetermined(&inverse)
                 );
-                assert!(inverse.undetermined() > 0);
+                assert!(undetermined(&inverse) > 0);
                 let mut found = vec![0.0; 12];
                 inverse.fit(&samples, &mut found, &mut vec![0.0; at.len() + 12]);
                 let mut again = vec![0.0; at.len()];
@@ -515,20 +497,6 @@ mod tests {
                     );
                 }
                 assert!(found.iter().all(|x| x.abs() < 100.0), "{found:?}");
-            }
-        }
-    }
-
-    #[test]
-    fn a_subset_has_the_rows_of_its_range() {
-        let knots = KnotVector::periodic_uniform(4, 9).unwrap();
-        let whole = Blending::new(&knots, &spread(&knots, 3));
-        let part = whole.subset(4..20, 5);
-        assert_eq!(part.rows(), 4);
-        for (row, from) in [4, 9, 14, 19].into_iter().enumerate() {
-            assert_eq!(part.parameters()[row], whole.parameters()[from]);
-            for order in 0..3 {
-                assert_eq!(part.row(row, order), whole.row(from, order));
             }
         }
     }

@@ -28,7 +28,7 @@ use super::placed::{Placed, PlacedSurface, TwoSpheres};
 use super::spheres::{Counters, Spheres};
 use super::{Contact, ContactSet, Reach, ToolShape};
 use crate::math::{Point3, Pose, Vector3};
-use crate::skin::{Skin, SkinSolver};
+use crate::skin::{Skin, SkinSide, SkinSolver};
 use crate::surface::{ClosestPoint, ClosestSolver, Surface};
 use std::sync::Arc;
 
@@ -115,15 +115,6 @@ pub struct UnsupportedPair {
     pub why: &'static str,
     /// What to do.
     pub help: &'static str,
-}
-
-/// A body as contact queries take it.
-#[derive(Debug)]
-pub struct SkinSide<'a> {
-    /// As it stands.
-    pub skin: &'a Skin,
-    /// Its solver.
-    pub solver: &'a mut SkinSolver,
 }
 
 impl<'a> SkinSide<'a> {
@@ -351,10 +342,12 @@ impl Narrow {
         let beside = (edges.as_ref()).map_or(&[][..], |(search, _)| search.found());
         match (query, shape, skin, &mut *solver) {
             (Query::Implicit(found), ToolShape::Implicit { tool, .. }, _, solver) => {
-                found.contacts(skin, solver, tool, pose, &reach, beside, set);
+                let body = SkinSide { skin, solver };
+                found.contacts(body, tool, pose, &reach, beside, set);
             }
             (Query::Mesh(found), ToolShape::Mesh(tool), _, solver) => {
-                found.contacts(skin, solver, tool, pose, &reach, beside, set);
+                let body = SkinSide { skin, solver };
+                found.contacts(body, tool, pose, &reach, beside, set);
             }
             (
                 Query::PartSolid(found, Whose::BodyAgainst(placed)),

@@ -5,7 +5,7 @@ use super::implicit::{ImplicitShape, ImplicitSolver};
 use super::pair::{PairSide, PairSolver};
 use super::{ContactSet, Reach};
 use crate::math::{Point3, Pose, Vector3};
-use crate::skin::{Skin, SkinSolver};
+use crate::skin::{Skin, SkinSide, SkinSolver};
 use crate::surface::{ClosestSolver, Surface, builtin, file};
 
 fn vessel() -> Surface {
@@ -52,8 +52,10 @@ fn function_on(surface: &Surface, shape: &ImplicitShape, pose: &Pose) -> Contact
     let mut implicit = ImplicitSolver::new(&skin);
     let mut out = ContactSet::new();
     implicit.contacts(
-        &skin,
-        &mut solver,
+        SkinSide {
+            skin: &skin,
+            solver: &mut solver,
+        },
         &shape.compile().unwrap(),
         pose,
         &Reach::TOUCH,

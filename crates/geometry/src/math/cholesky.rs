@@ -8,7 +8,8 @@
 
 mod kernel;
 
-use super::{Point3, Vector3, ordering};
+use super::ordering::{self, NONE};
+use super::{Point3, Vector3};
 #[cfg(target_arch = "x86_64")]
 use kernel::avx2;
 use kernel::{BaselineKernel, Kernel, One, SingleKernel};
@@ -120,7 +121,8 @@ impl Cholesky {
     pub fn placed(matrix: &SymmetricTriplets, places: &[Point3]) -> Result<Self, CholeskyError> {
         let n = matrix.n;
         let pairs = matrix.entries.iter().map(|&(i, j, _)| (i, j));
-        let order = ordering::order(&ordering::adjacent(n, pairs), places)?;
+        let order = ordering::order(&ordering::adjacent(n, pairs), places)
+            .ok_or(CholeskyError::Ordering)?;
         let mut place = vec![0u32; n];
         for (k, &row) in order.iter().enumerate() {
             place[row as usize] = k as u32;
@@ -335,9 +337,6 @@ fn permuted_upper(matrix: &SymmetricTriplets, place: &[u32]) -> UpperColumns {
     }
     upper
 }
-
-/// No row.
-pub(super) const NONE: u32 = u32::MAX;
 
 pub(super) fn elimination_tree(n: usize, upper: &UpperColumns) -> Vec<u32> {
     let mut parent = vec![NONE; n];

@@ -1,12 +1,14 @@
 //! In which order the rows of a sparse symmetric matrix are eliminated.
 
 use super::Point3;
-use super::cholesky::{CholeskyError, NONE};
 use super::dissection;
 
 /// Matrices of fewer rows are ordered by minimum degree alone: their solves are short (dissection would
 /// save a quarter of the numbers at a thousand rows), and recordings of such bodies keep their bits.
 const DISSECTED: usize = 2_500;
+
+/// No row.
+pub(super) const NONE: u32 = u32::MAX;
 
 /// Neighbours of each row: ascending, once each.
 pub(super) type Adjacent = Vec<Vec<u32>>;
@@ -26,20 +28,19 @@ pub(super) fn adjacent(n: usize, entries: impl Iterator<Item = (u32, u32)>) -> A
 }
 
 /// The order with the fewest numbers in the factor: by minimum degree, or, of a large matrix whose rows
-/// have places (none: empty), by nested dissection.
-pub(super) fn order(adjacent: &Adjacent, places: &[Point3]) -> Result<Vec<u32>, CholeskyError> {
+/// have places (none: empty), by nested dissection. `None` for a pattern that is refused.
+pub(super) fn order(adjacent: &Adjacent, places: &[Point3]) -> Option<Vec<u32>> {
     let n = adjacent.len();
     let mut local = vec![NONE; n];
     let all: Vec<u32> = (0..n as u32).collect();
-    let by_degree = minimum_degree(adjacent, &all, &mut local).ok_or(CholeskyError::Ordering)?;
+    let by_degree = minimum_degree(adjacent, &all, &mut local)?;
     if n < DISSECTED || places.len() != n {
-        return Ok(by_degree);
+        return Some(by_degree);
     }
     let mut leaf = |nodes: &[u32]| minimum_degree(adjacent, nodes, &mut local);
-    let dissected =
-        dissection::order(adjacent, places, &mut leaf).ok_or(CholeskyError::Ordering)?;
+    let dissected = dissection::order(adjacent, places, &mut leaf)?;
     let fewer = numbers(adjacent, &dissected) < numbers(adjacent, &by_degree);
-    Ok(if fewer { dissected } else { by_degree })
+    Some(if fewer { dissected } else { by_degree })
 }
 
 /// Approximate minimum degree of the graph between some nodes (Amestoy, Davis & Duff 2004); `local` is

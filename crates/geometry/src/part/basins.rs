@@ -33,6 +33,24 @@ pub(super) struct Known {
     size_m: f64,
 }
 
+/// A B-spline face of a part.
+#[derive(Clone, Copy)]
+pub(super) struct SplineFace<'a> {
+    pub part: &'a Part,
+    /// Its number.
+    pub k: u32,
+    pub surface: &'a Surface,
+}
+
+/// What is looked for: feet of a point nearer than a ceiling.
+#[derive(Clone, Copy)]
+pub(super) struct FootQuery<'a> {
+    pub q: &'a Point3,
+    pub within_m: f64,
+    /// The nearest that is known.
+    pub best: Option<&'a Best>,
+}
+
 /// What a face has that is nearer than a ceiling.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Verdict {
@@ -59,18 +77,17 @@ impl Known {
     /// known already. `own` holds the edges of the face.
     pub fn judge(
         &mut self,
-        part: &Part,
-        k: u32,
-        (solver, surface): (&mut ClosestSolver, &Surface),
-        q: &Point3,
-        within_m: f64,
+        face: SplineFace<'_>,
         own: &Tree,
-        best: Option<&Best>,
+        solver: &mut ClosestSolver,
+        query: &FootQuery<'_>,
     ) -> Verdict {
+        let SplineFace { part, k, surface } = face;
+        let FootQuery { q, within_m, best } = *query;
         let same_m = SAME * self.size_m;
         let clears = |basin: &Basin| basin.clear_m(q) > within_m + same_m;
         if let Some(basin) = self.basin.filter(clears) {
-            return verdict(part, k, (solver, surface), q, &basin, within_m, own, best);
+            return verdict(face, own, solver, query, &basin);
         }
         if let Some((at, of_m)) = self.failed
             && (q - at).norm() <= AGAIN * self.size_m
@@ -105,7 +122,7 @@ impl Known {
         self.failed = basin.is_none().then_some((*q, within_m));
         self.basin = basin.or(self.basin);
         match basin {
-            Some(basin) => verdict(part, k, (solver, surface), q, &basin, within_m, own, best),
+            Some(basin) => verdict(face, own, solver, query, &basin),
             None => Verdict::Unknown,
         }
     }
@@ -113,15 +130,14 @@ impl Known {
 
 /// What a basin says that clears the ceiling.
 fn verdict(
-    part: &Part,
-    k: u32,
-    (solver, surface): (&mut ClosestSolver, &Surface),
-    q: &Point3,
-    basin: &Basin,
-    within_m: f64,
+    face: SplineFace<'_>,
     own: &Tree,
-    best: Option<&Best>,
+    solver: &mut ClosestSolver,
+    query: &FootQuery<'_>,
+    basin: &Basin,
 ) -> Verdict {
+    let SplineFace { part, k, surface } = face;
+    let FootQuery { q, within_m, best } = *query;
     if basin.is_empty() {
         return Verdict::Nothing;
     }
@@ -288,40 +304,34 @@ fn reached(
 
 /// What may be offered of the minima of a B-spline face.
 pub(super) struct Feet<'a> {
+    pub face: SplineFace<'a>,
     pub solver: &'a mut ClosestSolver,
-    pub surface: &'a Surface,
     pub known: Option<&'a mut Known>,
     pub own: Option<&'a Tree>,
 }
 
 impl Feet<'_> {
-    /// The minima of the distance to the carrier of face `k` that are nearer than `within_m`, as far as they may be within the
-    /// loops and are not `best`. True when none was left out.
+    /// The minima of the distance to the carrier of the face that are looked for, as far as they may be within the loops and
+    /// are not `best`. True when none was left out.
     ///
     /// What the nearest sample leads to is given as it is found from there, whichever way it is found to be the only one: so
     /// it is the same to the last bit.
-    pub fn find(
-        self,
-        part: &Part,
-        k: u32,
-        q: &Point3,
-        within_m: f64,
-        best: Option<&Best>,
-        out: &mut Vec<ClosestPoint>,
-    ) -> bool {
+    pub fn find(self, query: &FootQuery<'_>, out: &mut Vec<ClosestPoint>) -> bool {
         let Self {
+            face,
             solver,
-            surface,
             known,
             own,
         } = self;
+        let SplineFace { part, k, surface } = face;
+        let FootQuery { q, within_m, best } = *query;
         // A copy of the scratch begins without room.
         out.clear();
         out.reserve(MOST_FEET);
         let same_m = SAME * part.size_m();
         let mut verdict = Verdict::Unknown;
         if let (Some(known), Some(own)) = (known, own) {
-            verdict = known.judge(part, k, (solver, surface), q, within_m, own, best);
+            verdict = known.judge(face, own, solver, query);
         }
         if matches!(verdict, Verdict::Nothing | Verdict::Same) {
             return true;

@@ -3,7 +3,7 @@
 //! A minimum of the distance to a trimmed face is either a minimum of the distance to its carrier, inside the loops, or on
 //! an edge. So the certificate of the carriers carries over, and no bound has to know the loops.
 
-use super::basins::{Feet, Known};
+use super::basins::{Feet, FootQuery, Known, SplineFace};
 use super::carrier::Carrier;
 use super::foot::{At, Best, PartFoot, Support, answer, nearest_wire};
 use super::near::Near;
@@ -136,12 +136,17 @@ impl PartSolver {
             return true;
         };
         let on = Feet {
+            face: SplineFace { part, k, surface },
             solver,
-            surface,
             own: self.near.has(k).then(|| self.near.own(k)),
             known: (self.known.get_mut(k as usize)).and_then(|known| known.as_deref_mut()),
         };
-        on.find(part, k, q, within_m, None, out)
+        let query = FootQuery {
+            q,
+            within_m,
+            best: None,
+        };
+        on.find(&query, out)
     }
 
     fn scratch(&mut self) -> Scratch<'_> {
@@ -216,16 +221,20 @@ fn nearest(
         let face = &part.faces[k as usize];
         match (&face.carrier, &mut splines[k as usize]) {
             (Carrier::Spline(surface), Some(solver)) => {
-                let within = ceiling.sqrt();
+                let query = FootQuery {
+                    q,
+                    within_m: ceiling.sqrt(),
+                    best: best.as_ref(),
+                };
                 let on = Feet {
+                    face: SplineFace { part, k, surface },
                     solver,
-                    surface,
                     own: near.has(k).then(|| near.own(k)),
                     known: basins
                         .get_mut(k as usize)
                         .and_then(|known| known.as_deref_mut()),
                 };
-                certified &= on.find(part, k, q, within, best.as_ref(), feet);
+                certified &= on.find(&query, feet);
                 // Where the B-spline ends, an edge is as near.
                 let inner = (feet.iter())
                     .filter(|foot| !face.carrier.is_on_rim(&face.rims, [foot.u, foot.v]));

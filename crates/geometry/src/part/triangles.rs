@@ -21,6 +21,7 @@ use crate::surface::Mesh;
 use corner::Id;
 pub use corner::TrianglesError;
 use patch::{Patch, Problem};
+pub use ruler::Fineness;
 use sheet::Sheet;
 use std::collections::BTreeMap;
 
@@ -34,17 +35,6 @@ const MOST_SHAKEN: usize = 4;
 const MOST_STEPS: f64 = 1.5;
 /// Of the size: vertices nearer to each other than this are one.
 const SAME: f64 = 1e-9;
-
-/// How finely a part is divided.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Fineness {
-    /// How far triangles may be from their faces, m.
-    pub tolerance_m: f64,
-    /// Triangles at most.
-    pub most: usize,
-    /// Distance of points within planes, m; `None`: planes have points on their edges only.
-    pub plane_step_m: Option<f64>,
-}
 
 /// Triangles of a part.
 #[derive(Clone, Debug, PartialEq)]

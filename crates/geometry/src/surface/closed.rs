@@ -295,17 +295,6 @@ pub struct DistinctPoints {
 }
 
 impl DistinctPoints {
-    /// The first control point, as an index into the net, of each distinct one: (count).
-    pub fn representatives(&self) -> Vec<usize> {
-        let mut first = Vec::with_capacity(self.count);
-        for (k, &node) in self.of.iter().enumerate() {
-            if node == first.len() {
-                first.push(k);
-            }
-        }
-        first
-    }
-
     /// Copies the positions of the distinct points, (count), into a net of this shape.
     pub fn scatter(&self, positions: &[Point3], net: &mut ControlNet) {
         debug_assert_eq!(
@@ -524,10 +513,9 @@ mod tests {
         assert_eq!(count("sheet"), 64);
         let drop = builtin("teardrop", None, None).unwrap();
         let distinct = drop.distinct_points(&drop.topology());
-        let positions: Vec<Point3> = distinct
-            .representatives()
-            .iter()
-            .map(|&k| drop.net().points()[k])
+        let first = |node: usize| distinct.of.iter().position(|&of| of == node).unwrap();
+        let positions: Vec<Point3> = (0..distinct.count)
+            .map(|node| drop.net().points()[first(node)])
             .collect();
         let mut net = drop.net().clone();
         net.points_mut().fill(Point3::origin());

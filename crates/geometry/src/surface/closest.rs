@@ -40,7 +40,7 @@ use self::minima::Minima;
 pub use self::minima::Summit;
 use self::newton::{Descent, NewtonPlace, OnPieces, OnSurface, descend, descend_over};
 pub(crate) use self::objective::Jet;
-use self::objective::{Along, Distance, Objective, Tables};
+use self::objective::{Along, Distance, Objective, Problem, Tables};
 use self::search::Search;
 use self::side::Site;
 use super::bezier::{BezierPieces, Joint, PieceDirection};
@@ -429,15 +429,13 @@ impl ClosestSolver {
         if !self.settled(found) {
             return None;
         }
-        let grant = warm::certificate(
-            &mut self.search,
-            &mut self.pieces,
+        let problem = Problem {
             surface,
-            &self.tables,
+            tables: &self.tables,
             objective,
-            self.size_m,
-            found,
-        );
+            size_m: self.size_m,
+        };
+        let grant = warm::certificate(&mut self.search, &mut self.pieces, &problem, found);
         (grant.budget_m > 0.0).then(|| {
             let answer = self.answer(surface, &objective.q, found);
             *warm = WarmFoot {
@@ -525,14 +523,13 @@ impl ClosestSolver {
             objective,
             start,
         );
-        self.search.certify(
-            &mut self.pieces,
+        let problem = Problem {
             surface,
-            &self.tables,
+            tables: &self.tables,
             objective,
-            self.size_m,
-            &mut best,
-        );
+            size_m: self.size_m,
+        };
+        (self.search).certify(&mut self.pieces, &problem, &mut best);
         best
     }
 

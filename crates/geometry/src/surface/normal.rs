@@ -63,26 +63,6 @@ impl Surface {
         if self.flip_normal() { -across } else { across }
     }
 
-    /// [`Surface::normal`] from the tangents S_u and S_v at (u, v); only where they do not
-    /// determine it is more computed.
-    pub fn normal_from(&self, du: &Vector3, dv: &Vector3, u: f64, v: f64) -> Vector3 {
-        let (length_u, length_v) = self.lengths();
-        let cross = du.cross(dv) * (length_u * length_v);
-        let (area, tangent) = (
-            cross.norm(),
-            (du.norm() * length_u).max(dv.norm() * length_v),
-        );
-        // Stricter than needed, since the second derivatives are not at hand.
-        if area > 1e-3 * tangent * tangent && tangent > 0.0 {
-            return if self.flip_normal() {
-                -cross / area
-            } else {
-                cross / area
-            };
-        }
-        self.normal(u, v)
-    }
-
     /// Principal curvatures; at a pole, those a ten-thousandth of the domain inside. `None` where
     /// there is no normal.
     pub fn curvature(&self, u: f64, v: f64) -> Option<Curvature> {

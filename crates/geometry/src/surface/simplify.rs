@@ -1,6 +1,6 @@
-//! Fewer control points, with a bound on what that costs: knot removal and degree reduction.
+//! Fewer control points, with a bound on what that costs: degree reduction.
 //!
-//! Both compare control points over common knots: by the convex-hull property no point of the
+//! Control points are compared over common knots: by the convex-hull property no point of the
 //! surface moves further than the control points differ there. With weights the difference `(A − w
 //! S') / w`, where S' = A' / w', is bounded by `(max |A − A'| + max |w − w'| · max |S'|) / min w`,
 //! lengths measured from the net's centre.
@@ -22,43 +22,6 @@ pub struct Simplified {
 }
 
 impl Surface {
-    /// One copy of an interior knot less. Of all nets over the remaining knots the one whose
-    /// control points, with the knot put back, miss the old ones least.
-    ///
-    /// # Errors
-    /// Not a knot inside the domain, too few control points left, or weights that come out at or
-    /// below 0.
-    pub fn knot_removed(
-        &self,
-        direction: Direction,
-        knot: f64,
-    ) -> Result<Simplified, SurfaceError> {
-        let fewer = self
-            .knots(direction)
-            .without(knot)
-            .map_err(|e| direction.refused(e))?;
-        let insertion = fewer.insertion(knot).map_err(|e| direction.refused(e))?;
-        let chain = RemovalChain::new(&insertion.alphas);
-        let first = insertion.first;
-        self.simplified(direction, fewer.clone(), |old| {
-            let (count, degree) = (old.len(), insertion.alphas.len());
-            let window: Vec<Homogeneous> = (0..degree + 2)
-                .map(|k| old[(first + count + k - 1) % count])
-                .collect();
-            let (inner, miss) = chain.solve(&window);
-            // The points that the knot had made give way to those it was made of.
-            let mut points = old.to_vec();
-            if fewer.is_periodic() {
-                points.rotate_left(first % count);
-                points.splice(..degree, inner);
-                points.rotate_right(first % (count - 1));
-            } else {
-                points.splice(first..first + degree, inner);
-            }
-            (points, miss)
-        })
-    }
-
     /// One degree lower in a direction, every knot once less (but simple knots stay): the
     /// least-squares fit of the control points over common knots, ends kept in place. An elevated
     /// surface gets back what it had.
@@ -192,75 +155,6 @@ fn dense(change: &BasisChange) -> DMatrix<f64> {
     matrix
 }
 
-/// The equations `Q_k = (1 − α_k) P_{k−1} + α_k P_k`, k < degree, for the points before an
-/// insertion: one more than unknowns.
-struct RemovalChain<'a> {
-    alphas: &'a [f64],
-    /// What is orthogonal to all that an insertion can make, its absolute values adding up to 1.
-    across: Vec<f64>,
-}
-
-impl<'a> RemovalChain<'a> {
-    fn new(alphas: &'a [f64]) -> Self {
-        let mut across = vec![1.0];
-        for pair in alphas.windows(2) {
-            let last = across[across.len() - 1];
-            across.push(-last * pair[0] / (1.0 - pair[1]));
-            // Uneven knots make the ratios large; only ratios matter.
-            let largest = across.iter().fold(0.0_f64, |a, n| a.max(n.abs()));
-            across.iter_mut().for_each(|n| *n /= largest);
-        }
-        let sum: f64 = across.iter().map(|n| n.abs()).sum();
-        across.iter_mut().for_each(|n| *n /= sum);
-        Self { alphas, across }
-    }
-
-    /// From Q_{−1} ..= Q_degree, the ends of which an insertion does not move: P_0 .. P_{degree −
-    /// 1} without the last, and by how much the insertion of the knot then misses each Q. The
-    /// largest miss is the least that can be.
-    fn solve(&self, q: &[Homogeneous]) -> (Vec<Homogeneous>, Vec<Homogeneous>) {
-        let (alphas, p) = (self.alphas, self.alphas.len());
-        let (before, after) = (q[0], q[p + 1]);
-        let mut off: Homogeneous = self.across.iter().zip(&q[1..]).map(|(n, q)| q * *n).sum();
-        off -= before * (self.across[0] * (1.0 - alphas[0]))
-            + after * (self.across[p - 1] * alphas[p - 1]);
-        let miss: Vec<Homogeneous> = self
-            .across
-            .iter()
-            .map(|n| {
-                if *n == 0.0 {
-                    Homogeneous::zeros()
-                } else {
-                    off * n.signum()
-                }
-            })
-            .collect();
-        let fitted: Vec<Homogeneous> = q[1..=p]
-            .iter()
-            .zip(&miss)
-            .map(|(q, miss)| q - miss)
-            .collect();
-        // From either side, each time dividing by the larger share; α falls with k.
-        let forward = alphas
-            .iter()
-            .take(p - 1)
-            .take_while(|alpha| **alpha >= 0.5)
-            .count();
-        let mut inner = vec![Homogeneous::zeros(); p - 1];
-        let mut last = before;
-        for k in 0..forward {
-            last = last + (fitted[k] - last) / alphas[k];
-            inner[k] = last;
-        }
-        last = after;
-        for k in (forward + 1..p).rev() {
-            last = last + (fitted[k] - last) / (1.0 - alphas[k]);
-            inner[k - 1] = last;
-        }
-        (inner, miss)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::builtin::builtin;
@@ -270,116 +164,6 @@ mod tests {
     use crate::basis::testing::Random;
 
     const BOTH: [Direction; 2] = [Direction::U, Direction::V];
-
-    /// Largest distance at equal parameters, seen on a grid.
-    fn distance(a: &Surface, b: &Surface, seed: u64) -> f64 {
-        let pairs = pairs(&mut Random(seed), a, 9);
-        pairs
-            .iter()
-            .map(|&(u, v)| (a.point(u, v) - b.point(u, v)).norm())
-            .fold(0.0, f64::max)
-    }
-
-    fn interior(knots: &KnotVector) -> Vec<f64> {
-        let (start, end) = knots.domain();
-        let mut inner: Vec<f64> = knots
-            .knots()
-            .iter()
-            .copied()
-            .filter(|&t| t > start && t < end)
-            .collect();
-        inner.dedup();
-        inner
-    }
-
-    #[test]
-    fn a_knot_that_was_inserted_comes_out_again_at_no_cost() {
-        let mut random = Random(71);
-        for surface in fifty_surfaces(71) {
-            for direction in BOTH {
-                let (start, end) = surface.knots(direction).domain();
-                // A new knot, and one more of an old one.
-                let mut at = vec![random.float(start, end)];
-                at.extend(interior(surface.knots(direction)).first());
-                for knot in at {
-                    let Ok(finer) = surface.insert_knots(direction, &[knot]) else {
-                        continue;
-                    };
-                    let back = finer.knot_removed(direction, knot).unwrap();
-                    assert_eq!(back.surface.knots(direction), surface.knots(direction));
-                    assert!(
-                        back.error_bound < 1e-12,
-                        "{surface:?}: {knot} {direction:?} costs {}",
-                        back.error_bound
-                    );
-                    // Points where the new knot is nearly another one's are hardly held by
-                    // anything.
-                    let error = distance(&surface, &back.surface, 5);
-                    assert!(
-                        error < 1e-11,
-                        "{surface:?}: {knot} {direction:?} moved points by {error}"
-                    );
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn what_a_removed_knot_costs_stays_under_its_bound_and_near_it() {
-        let (mut tried, mut tight) = (0, 0);
-        for surface in fifty_surfaces(72) {
-            for direction in BOTH {
-                for knot in interior(surface.knots(direction)) {
-                    // The sides of a gap would be glued; a bound holds there too, but not at the
-                    // knot itself.
-                    if surface.knots(direction).disjoined().contains(&knot) {
-                        continue;
-                    }
-                    let Ok(simple) = surface.knot_removed(direction, knot) else {
-                        continue;
-                    };
-                    let error = distance(&surface, &simple.surface, 6);
-                    let bound = simple.error_bound;
-                    assert!(
-                        error <= bound * (1.0 + 1e-9) + 1e-14,
-                        "{surface:?}: {error} above {bound}"
-                    );
-                    tried += 1;
-                    tight += usize::from(error > 0.05 * bound);
-                }
-            }
-        }
-        assert!(
-            tried > 60 && tight * 2 > tried,
-            "{tight} of {tried} bounds are within twenty times the error"
-        );
-    }
-
-    // One knot of a cubic: among all P the least largest miss, found by brute force over the two
-    // unknowns.
-    #[test]
-    fn no_other_points_would_miss_less() {
-        let alphas = [0.9, 0.45, 0.2];
-        let q = [0.3, -0.2, 0.9, 0.1, -0.5].map(|x| Homogeneous::new(x, 0.0, 0.0, 1.0));
-        let (inner, miss) = RemovalChain::new(&alphas).solve(&q);
-        let largest = |a: f64, b: f64| -> f64 {
-            let p = [q[0].x, a, b, q[4].x];
-            (0..3)
-                .map(|k| ((1.0 - alphas[k]) * p[k] + alphas[k] * p[k + 1] - q[k + 1].x).abs())
-                .fold(0.0, f64::max)
-        };
-        let ours = largest(inner[0].x, inner[1].x);
-        assert!((ours - miss[0].x.abs()).abs() < 1e-14);
-        for i in -200..=200 {
-            for j in -200..=200 {
-                let (a, b) = (
-                    inner[0].x + f64::from(i) * 0.01,
-                    inner[1].x + f64::from(j) * 0.01,
-                );
-                assert!(largest(a, b) >= ours - 1e-12, "({a}, {b}) misses less");
-            }
-        }
-    }
 
     #[test]
     fn an_elevated_surface_is_reduced_to_what_it_was() {
@@ -453,34 +237,18 @@ mod tests {
             .refined_to(12, 13)
             .unwrap();
         for direction in BOTH {
-            let knot = interior(drop.knots(direction))[3];
-            for simple in [
-                drop.knot_removed(direction, knot).unwrap(),
-                drop.degree_reduced(direction).unwrap(),
-            ] {
-                assert_eq!(simple.surface.topology(), drop.topology());
-                assert!(
-                    simple.error_bound < 0.1 * drop.size(),
-                    "{} m",
-                    simple.error_bound
-                );
-            }
+            let simple = drop.degree_reduced(direction).unwrap();
+            assert_eq!(simple.surface.topology(), drop.topology());
+            assert!(
+                simple.error_bound < 0.1 * drop.size(),
+                "{} m",
+                simple.error_bound
+            );
         }
     }
 
     #[test]
-    fn what_is_no_interior_knot_cannot_be_removed() {
-        let sheet = builtin("sheet", None, None).unwrap();
-        for (knot, text) in [
-            (0.3, "0.3 is not a knot inside the domain"),
-            (0.0, "0 is not a knot inside the domain"),
-        ] {
-            let error = sheet
-                .knot_removed(Direction::U, knot)
-                .unwrap_err()
-                .to_string();
-            assert_eq!(error, format!("knots in u: {text}"));
-        }
+    fn no_degree_is_below_1() {
         let flat = builtin("sheet", Some([4, 4]), None).unwrap();
         let mut linear = flat;
         for _ in 0..2 {

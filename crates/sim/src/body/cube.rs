@@ -12,7 +12,6 @@
 use super::cells::{Cell, CellGrid};
 use super::node_map::NodeMap;
 use super::quality::CellQuality;
-use super::untangle;
 use palpate_geometry::math::Point3;
 use palpate_geometry::surface::Surface;
 
@@ -185,14 +184,6 @@ impl CubeLattice {
             exterior,
             interior,
         })
-    }
-
-    /// Moves nodes, exterior ones along their surface, until the scaled Jacobian is above 0.02 at
-    /// every corner, as far as that goes: the flat edges of the cube become slightly convex. On the
-    /// teardrops 0.00 becomes 0.02 and more, and no corner stays folded. Costs more than building
-    /// the lattice, and its symmetries.
-    pub fn fix_corners(&mut self, surface: &Surface) {
-        untangle::untangle(self, surface, untangle::Aim::Corners);
     }
 
     /// Refuses cells that are not positive at every Gauss point.

@@ -206,40 +206,6 @@ fn a_learned_lattice_is_as_good_as_a_mapped_one_and_stays_so_with_more_cycles() 
     }
 }
 
-// Along the cube's edges the corners are flat to ± 0.002, and on the teardrop some are folded.
-#[test]
-fn fixed_corners_are_not_folded_and_nodes_stay_on_the_surface() {
-    for net in [8, 12] {
-        let surface = drop(net);
-        for (builder, build) in BUILDERS {
-            let mut lattice = build(&surface, [8; 3]).unwrap();
-            let before = lattice.quality();
-            assert!(
-                before.least_scaled_jacobian.abs() < 0.01,
-                "{builder}, net {net}: {before:?}"
-            );
-            lattice.fix_corners(&surface);
-            let after = lattice.quality();
-            assert_eq!(
-                (after.folded_cells, after.folded_corner_cells),
-                (0, 0),
-                "{builder}, net {net}: {after:?}"
-            );
-            assert!(
-                after.least_scaled_jacobian > before.least_scaled_jacobian,
-                "{builder}, net {net}: {after:?}"
-            );
-            for (node, [u, v]) in &lattice.exterior {
-                assert_eq!(
-                    lattice.grid.nodes[*node as usize],
-                    surface.point(*u, *v),
-                    "{builder}, node {node}"
-                );
-            }
-        }
-    }
-}
-
 #[test]
 fn a_flat_sheet_becomes_boxes_and_a_sharply_bent_one_is_refused() {
     let sheet = builtin("sheet", None, Some(0.2)).unwrap();

@@ -37,37 +37,6 @@ pub struct Ledger {
     pub residual_j: f64,
 }
 
-impl Ledger {
-    /// Work less everything it went into: rounding.
-    pub fn off_j(&self) -> f64 {
-        let given = self.contact_j + self.field_j;
-        let kept = self.kinetic_j + self.elastic_j;
-        given
-            - kept
-            - self.step_j
-            - self.damping_j
-            - self.pressure_j
-            - self.flow_j
-            - self.residual_j
-    }
-
-    /// The largest of the terms, J.
-    pub fn size_j(&self) -> f64 {
-        let terms = [
-            self.contact_j,
-            self.field_j,
-            self.kinetic_j,
-            self.elastic_j,
-            self.step_j,
-            self.damping_j,
-            self.pressure_j,
-            self.flow_j,
-            self.residual_j,
-        ];
-        terms.iter().fold(0.0, |most, term| most.max(term.abs()))
-    }
-}
-
 /// Terms of a force times a motion.
 fn dot(forces: &[Vector3], moved: &[Vector3]) -> f64 {
     forces.iter().zip(moved).map(|(f, d)| f.dot(d)).sum()

@@ -75,7 +75,7 @@ pub fn som(
     }
     map.settle(&cloud, surface, &mut lattice);
     harmonic::fill(&mut lattice);
-    untangle::untangle(&mut lattice, surface, untangle::Aim::Volumes);
+    untangle::untangle(&mut lattice, surface);
     lattice.unfolded()
 }
 

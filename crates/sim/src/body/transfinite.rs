@@ -28,7 +28,7 @@ pub fn transfinite(surface: &Surface, counts: [usize; 3]) -> Result<CubeLattice,
         (surface.point(u, v), Some([u, v]))
     })?;
     harmonic::fill(&mut lattice);
-    untangle::untangle(&mut lattice, surface, untangle::Aim::Volumes);
+    untangle::untangle(&mut lattice, surface);
     lattice.unfolded()
 }
 

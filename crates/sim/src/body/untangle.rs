@@ -19,53 +19,26 @@ const BAD: f64 = 0.02;
 /// Trial steps, in mean lengths of the node's edges.
 const STEPS: [f64; 3] = [0.4, 0.15, 0.04];
 
-/// A corner is bad when its scaled Jacobian is below this. At 0.05 some teardrops never get there,
-/// and every lattice takes all sweeps.
-const BAD_CORNER: f64 = 0.02;
-
-/// What is untangled.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Aim {
-    /// Jacobians at the Gauss points: no cell inside out.
-    Volumes,
-    /// Scaled Jacobians at the corners too.
-    Corners,
+/// What a move should make greater, m³: below 0 the cell is inside out.
+fn measure(grid: &CellGrid, cell: &Cell) -> f64 {
+    let determinants = grid.gauss_determinants(cell);
+    determinants.iter().copied().fold(f64::INFINITY, f64::min)
 }
 
-impl Aim {
-    /// What a move should make greater, m³ for volumes, a scaled Jacobian for corners (below −1
-    /// when the cell is folded).
-    fn measure(self, grid: &CellGrid, cell: &Cell) -> f64 {
-        let gauss = grid
-            .gauss_determinants(cell)
-            .iter()
-            .copied()
-            .fold(f64::INFINITY, f64::min);
-        match self {
-            Self::Volumes => gauss,
-            Self::Corners if gauss > 0.0 => (0..8)
-                .filter_map(|corner| grid.scaled_jacobian(cell, corner))
-                .fold(1.0, f64::min),
-            Self::Corners => -1.0 + gauss,
-        }
-    }
-
-    fn is_bad(self, grid: &CellGrid, cell: &Cell) -> bool {
-        let determinants = grid.gauss_determinants(cell);
-        let least = determinants.iter().copied().fold(f64::INFINITY, f64::min);
-        let greatest = determinants.iter().map(|d| d.abs()).fold(0.0, f64::max);
-        least <= BAD * greatest || (self == Self::Corners && self.measure(grid, cell) < BAD_CORNER)
-    }
+fn is_bad(grid: &CellGrid, cell: &Cell) -> bool {
+    let determinants = grid.gauss_determinants(cell);
+    let greatest = determinants.iter().map(|d| d.abs()).fold(0.0, f64::max);
+    measure(grid, cell) <= BAD * greatest
 }
 
 /// Moves nodes until no cell is bad, if it can.
-pub(super) fn untangle(lattice: &mut CubeLattice, surface: &Surface, aim: Aim) {
+pub(super) fn untangle(lattice: &mut CubeLattice, surface: &Surface) {
     let mut place_on_surface: Option<Sliding<'_>> = None;
     for _ in 0..MOST_SWEEPS {
         let mut touched = vec![false; lattice.grid.nodes.len()];
         let mut any = false;
         for cell in &lattice.grid.cells {
-            if aim.is_bad(&lattice.grid, cell) {
+            if is_bad(&lattice.grid, cell) {
                 any = true;
                 cell.iter().for_each(|&node| touched[node as usize] = true);
             }
@@ -77,8 +50,8 @@ pub(super) fn untangle(lattice: &mut CubeLattice, surface: &Surface, aim: Aim) {
         let mut moved = false;
         for node in (0..touched.len()).filter(|&node| touched[node]) {
             moved |= match sliding.exterior_of[node] {
-                Some(entry) => sliding.slide(lattice, entry as usize, aim),
-                None => shift(lattice, node, aim),
+                Some(entry) => sliding.slide(lattice, entry as usize),
+                None => shift(lattice, node),
             };
         }
         if !moved {
@@ -88,7 +61,7 @@ pub(super) fn untangle(lattice: &mut CubeLattice, surface: &Surface, aim: Aim) {
 }
 
 /// The worst measure of the cells around a node.
-fn worst_around(lattice: &CubeLattice, node: usize, aim: Aim) -> f64 {
+fn worst_around(lattice: &CubeLattice, node: usize) -> f64 {
     let place = place_of(lattice.counts, node);
     let steps = lattice.counts.map(|n| n - 1);
     let mut worst = f64::INFINITY;
@@ -97,7 +70,7 @@ fn worst_around(lattice: &CubeLattice, node: usize, aim: Aim) -> f64 {
         if (0..3).all(|axis| place[axis] >= back[axis] && place[axis] - back[axis] < steps[axis]) {
             let [i, j, k] = std::array::from_fn(|axis| place[axis] - back[axis]);
             let cell = &lattice.grid.cells[(i * steps[1] + j) * steps[2] + k];
-            worst = worst.min(aim.measure(&lattice.grid, cell));
+            worst = worst.min(measure(&lattice.grid, cell));
         }
     }
     worst
@@ -124,11 +97,11 @@ fn neighbours(lattice: &CubeLattice, node: usize) -> (Point3, f64) {
 }
 
 /// Tries places for a free node; true when it found a better one.
-fn shift(lattice: &mut CubeLattice, node: usize, aim: Aim) -> bool {
+fn shift(lattice: &mut CubeLattice, node: usize) -> bool {
     let start = lattice.grid.nodes[node];
     let (mean, length) = neighbours(lattice, node);
     let places = trials(start, mean, STEPS.map(|step| step * length));
-    let worst = |lattice: &CubeLattice| worst_around(lattice, node, aim);
+    let worst = |lattice: &CubeLattice| worst_around(lattice, node);
     take_best(
         lattice,
         |lattice| &mut lattice.grid.nodes[node],
@@ -198,7 +171,7 @@ impl<'a> Sliding<'a> {
     }
 
     /// Tries places on the surface for an exterior node; true when it found a better one.
-    fn slide(&self, lattice: &mut CubeLattice, entry: usize, aim: Aim) -> bool {
+    fn slide(&self, lattice: &mut CubeLattice, entry: usize) -> bool {
         let (node, [u, v]) = lattice.exterior[entry];
         let node = node as usize;
         let start = lattice.grid.nodes[node];
@@ -208,7 +181,7 @@ impl<'a> Sliding<'a> {
         let least = normal.iamin();
         let first = normal.cross(&Vector3::ith(least, 1.0));
         let second = normal.cross(&first);
-        let mut best = (worst_around(lattice, node, aim), start, [u, v]);
+        let mut best = (worst_around(lattice, node), start, [u, v]);
         let around = STEPS.iter().flat_map(|step| (0..8).map(move |k| (step, k)));
         let trials = around.map(|(step, k)| {
             let [a, b] = [
@@ -229,7 +202,7 @@ impl<'a> Sliding<'a> {
             };
             let point = self.surface.point(foot.u, foot.v);
             lattice.grid.nodes[node] = point;
-            let worst = worst_around(lattice, node, aim);
+            let worst = worst_around(lattice, node);
             if worst > best.0 {
                 best = (worst, point, [foot.u, foot.v]);
             }

@@ -1,7 +1,7 @@
 //! Bodies against each other, and against themselves.
 
 use super::bounce;
-use super::feet::{MAX_FEET, margin_m, meet, moving, push_between};
+use super::feet::{MAX_FEET, TwoBodies, margin_m, meet, moving, push_between};
 use super::meeting::Meeting;
 use super::search::Search;
 use crate::party::{BodyScratch, view};
@@ -90,8 +90,14 @@ pub(super) fn bodies(search: &mut Search<'_>, p: usize, other: usize) {
             .signum(),
         false => 1.0,
     };
-    let views = [view(my_body, mine), view(their_body, theirs)];
-    let steps = [mine.step, theirs.step];
+    let of = TwoBodies {
+        p,
+        pair,
+        views: [view(my_body, mine), view(their_body, theirs)],
+        steps: [mine.step, theirs.step],
+        margin_m: margin,
+    };
+    let views = of.views;
     let free = mine.gives().is_some() || theirs.gives().is_some();
     let thinned = usize::from(std::mem::take(&mut pair_states[p].thinned));
     if let Some(view) = views[0].as_ref().filter(|_| !contacts.is_empty()) {
@@ -127,16 +133,7 @@ pub(super) fn bodies(search: &mut Search<'_>, p: usize, other: usize) {
                 tool_uv: Some(uv),
                 point: ToolPoint::Found,
             };
-            push_between(
-                rows,
-                p,
-                pair,
-                RowKey::sample(hit.index),
-                &contact,
-                &views,
-                &steps,
-                margin,
-            );
+            push_between(rows, &of, RowKey::sample(hit.index), &contact);
         }
     }
     if let Some(view) = views[1].as_ref().filter(|_| !contacts.is_empty()) {
@@ -184,26 +181,13 @@ pub(super) fn bodies(search: &mut Search<'_>, p: usize, other: usize) {
                 tool_uv: Some([s, t]),
                 point: ToolPoint::Found,
             };
-            push_between(
-                rows,
-                p,
-                pair,
-                RowKey::of_owner(hit.index),
-                &contact,
-                &views,
-                &steps,
-                margin,
-            );
+            push_between(rows, &of, RowKey::of_owner(hit.index), &contact);
         }
     }
     let meeting = Meeting {
-        p,
-        pair,
+        of,
         parts: mine,
         theirs,
-        views,
-        steps,
-        margin_m: margin,
         size_m: my_body.size_m,
         same_m: SAME * my_body.size_m.min(their_body.size_m),
         lies: theirs
@@ -256,19 +240,15 @@ pub(super) fn itself(search: &mut Search<'_>, p: usize) {
         deepest_m,
     );
     let view = view(body, parts);
-    let views = [view, view];
-    let steps = [parts.step; 2];
+    let of = TwoBodies {
+        p,
+        pair,
+        views: [view; 2],
+        steps: [parts.step; 2],
+        margin_m: margin,
+    };
     for (k, contact) in pairs[p].set.contacts().iter().take(MAX_FEET).enumerate() {
-        push_between(
-            rows,
-            p,
-            pair,
-            RowKey::foot(k),
-            contact,
-            &views,
-            &steps,
-            margin,
-        );
+        push_between(rows, &of, RowKey::foot(k), contact);
     }
 }
 

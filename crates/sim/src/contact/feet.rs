@@ -92,38 +92,47 @@ impl Way {
     }
 }
 
-/// A row of a tool at a contact of its pair, its own compliance enlarged by `ease` times itself.
+/// A tool on a body, as its rows see it.
+#[derive(Clone, Copy)]
+pub(crate) struct ToolOnBody<'a> {
+    /// Number of the pair.
+    pub p: usize,
+    pub pair: &'a Pair,
+    /// Of a body that deforms.
+    pub view: Option<&'a DeformingView<'a>>,
+    pub way: Way,
+    /// Rows join this near.
+    pub margin_m: f64,
+}
+
+/// A row of a tool at a contact of its pair, its own compliance enlarged by `regularization` times itself.
 pub(crate) fn push_foot(
     rows: &mut RowSet,
-    p: usize,
-    pair: &Pair,
+    on: &ToolOnBody<'_>,
     key: RowKey,
     contact: &Contact,
-    view: Option<&DeformingView<'_>>,
-    way: Way,
-    margin: f64,
     regularization: f64,
 ) {
     let row = Row {
         regularization,
-        ..row(p, pair, key, contact)
+        ..row(on.p, on.pair, key, contact)
     };
-    let (row, carried) = way.of(row, &contact.on_tool);
-    match view {
+    let (row, carried) = on.way.of(row, &contact.on_tool);
+    match on.view {
         Some(view) => {
             let windows = windows(view, contact.u, contact.v);
             rows.push(
                 row,
                 Grip::Deforming(view, &windows.0, &windows.1),
                 Grip::Carried(carried),
-                margin,
+                on.margin_m,
             );
         }
         None => rows.push(
             row,
-            carried_by(&way.under, &contact.on_body),
+            carried_by(&on.way.under, &contact.on_body),
             Grip::Carried(carried),
-            margin,
+            on.margin_m,
         ),
     }
 }
@@ -131,12 +140,9 @@ pub(crate) fn push_foot(
 /// A row of a tool at a sample of a deforming body.
 pub(crate) fn push_sample(
     rows: &mut RowSet,
-    p: usize,
-    pair: &Pair,
-    hit: &SampleInTouch,
+    on: &ToolOnBody<'_>,
     view: &DeformingView<'_>,
-    way: Way,
-    margin: f64,
+    hit: &SampleInTouch,
 ) {
     let (u, v) = view.samples.parameter(hit.index);
     let (wu, wv) = view.samples.windows(hit.index);
@@ -150,35 +156,40 @@ pub(crate) fn push_sample(
         tool_uv: None,
         point: ToolPoint::Found,
     };
-    let (row, carried) = way.of(
-        row(p, pair, RowKey::sample(hit.index), &contact),
-        &contact.on_tool,
-    );
-    rows.push(
-        row,
-        Grip::Deforming(view, wu, wv),
-        Grip::Carried(carried),
-        margin,
-    );
+    let row = row(on.p, on.pair, RowKey::sample(hit.index), &contact);
+    let (row, carried) = on.way.of(row, &contact.on_tool);
+    let body = Grip::Deforming(view, wu, wv);
+    rows.push(row, body, Grip::Carried(carried), on.margin_m);
 }
 
-/// A row that holds a point of a tool to a point of a body; `contact` says which, `away` leads from
-/// the body's to where the tool's is free to go, `arm` there from the tool's reference point.
+/// A point of a tool that is held to a point of a body.
+pub(crate) struct HeldPoint {
+    pub contact: Contact,
+    /// From the body's point to where the tool's is free to go, m.
+    pub away: Vector3,
+    /// There from the tool's reference point, m.
+    pub arm: Vector3,
+    /// Most that the grip bears, N.
+    pub limit_n: f64,
+}
+
+/// A row that holds a point of a tool.
 pub(crate) fn push_anchor(
     rows: &mut RowSet,
     p: usize,
     pair: &Pair,
     key: RowKey,
-    contact: &Contact,
+    held: &HeldPoint,
     view: Option<&DeformingView<'_>>,
     under: &RigidStep,
-    (away, arm): (Vector3, Vector3),
-    limit_n: f64,
 ) {
+    let contact = &held.contact;
     let row = Row {
-        slip: away,
-        arm,
-        law: FrictionLaw::Grip { limit_n },
+        slip: held.away,
+        arm: held.arm,
+        law: FrictionLaw::Grip {
+            limit_n: held.limit_n,
+        },
         ..row(p, pair, key, contact)
     };
     let mine = view.map(|view| (view, windows(view, contact.u, contact.v)));
@@ -186,22 +197,27 @@ pub(crate) fn push_anchor(
     rows.push(row, body, Grip::Fixed, f64::INFINITY);
 }
 
-/// A row between two bodies, `views[0]` of the pair's body and `views[1]` of its holder.
-pub(crate) fn push_between(
-    rows: &mut RowSet,
-    p: usize,
-    pair: &Pair,
-    key: RowKey,
-    contact: &Contact,
-    views: &[Option<DeformingView<'_>>; 2],
-    steps: &[RigidStep; 2],
-    margin: f64,
-) {
-    debug_assert!(margin > 0.0, "rows join before they touch");
+/// Two bodies as their rows see them: the pair's body first, then its holder.
+pub(crate) struct TwoBodies<'a> {
+    /// Number of the pair.
+    pub p: usize,
+    pub pair: &'a Pair,
+    /// Of those that deform.
+    pub views: [Option<DeformingView<'a>>; 2],
+    /// How each goes within the tick, of rigid bodies that move.
+    pub steps: [RigidStep; 2],
+    /// Rows join this near.
+    pub margin_m: f64,
+}
+
+/// A row between two bodies.
+pub(crate) fn push_between(rows: &mut RowSet, of: &TwoBodies<'_>, key: RowKey, contact: &Contact) {
+    debug_assert!(of.margin_m > 0.0, "rows join before they touch");
     let Some([s, t]) = contact.tool_uv else {
         return;
     };
-    let mut row = row(p, pair, key, contact);
+    let TwoBodies { views, steps, .. } = of;
+    let mut row = row(of.p, of.pair, key, contact);
     row.on_tool = Vector3::new(s, t, 0.0);
     let mine = views[0]
         .as_ref()
@@ -209,7 +225,7 @@ pub(crate) fn push_between(
     let theirs = views[1].as_ref().map(|view| (view, windows(view, s, t)));
     let body = grip_of(&mine, &steps[0], &contact.on_body);
     let holder = grip_of(&theirs, &steps[1], &contact.on_tool);
-    rows.push(row, body, holder, margin);
+    rows.push(row, body, holder, of.margin_m);
 }
 
 type Windows = (

@@ -9,8 +9,8 @@
 //! ```
 
 use super::between::{bodies, itself};
-use super::feet::{MAX_FEET, Way, margin_m, meet, moving, push_foot, push_sample};
-use super::follow::{Follow, Treader, push_feet};
+use super::feet::{MAX_FEET, ToolOnBody, Way, margin_m, meet, moving, push_foot, push_sample};
+use super::follow::{Follow, FollowedTool, push_feet};
 use super::manifold::{Placed, push_manifold};
 use super::search::{PairState, Search};
 use super::warm::WarmRow;
@@ -18,7 +18,6 @@ use super::{bounce, grip, near_field, stick};
 use crate::haptics::LinkPhase;
 use crate::party::view;
 use crate::rest;
-use crate::scene::Pair;
 use crate::solve::indentation::Touch;
 use crate::solve::proxy::BallContact;
 use crate::solve::row_key::RowKey;
@@ -237,20 +236,26 @@ fn ball(search: &mut Search<'_>, p: usize, t: usize, radius_m: f64) {
     };
     let feet = std::iter::once(&first).chain(set.contacts().iter().filter(same));
     let view = view(body, parts);
+    let on = ToolOnBody {
+        p,
+        pair,
+        view: view.as_ref(),
+        way,
+        margin_m: margin,
+    };
     let side = if proxy.below { -1.0 } else { 1.0 };
     let Some(view) = view.filter(|_| radius_m > 0.0) else {
         if body.skin.part().is_none() {
-            return push_plain(rows, p, pair, feet, view.as_ref(), way, margin);
+            return push_plain(rows, &on, feet);
         }
         // From face to face feet keep their numbers.
         let placed = Placed {
             pose: &here,
             size_m: body.size_m,
             side,
-            margin_m: margin,
             remembers: false,
         };
-        return push_manifold(rows, p, pair, feet, warm.rows(), parts, &placed, way);
+        return push_manifold(rows, &on, feet, warm.rows(), parts, &placed);
     };
     let centre = held.centre;
     let look = |point: &Point3| {
@@ -269,20 +274,21 @@ fn ball(search: &mut Search<'_>, p: usize, t: usize, radius_m: f64) {
     let every = view.samples_in_touch(approach, usize::from(*thinned), meets, look, hits);
     *thinned = every.min(255) as u8;
     for hit in hits.iter() {
-        push_sample(rows, p, pair, hit, &view, way, margin);
+        push_sample(rows, &on, &view, hit);
     }
-    let tool = Treader {
+    let tool = FollowedTool {
+        on,
+        view: &view,
         pose: &here,
         follow: Follow::Rolls,
         size_m: body.size_m,
         side,
-        margin_m: margin,
         every,
         sunk_m: *sunk_m,
         beside_m: beside_m(&scene.tools[t].shape, body.size_m),
     };
     let warm = warm.rows();
-    push_feet(rows, p, pair, feet, warm, parts, &view, &tool, way, look);
+    push_feet(rows, &tool, feet, warm, parts, look);
 }
 
 /// Samples that the body's own motion brings to a tool within the tick: one met a tick late
@@ -305,25 +311,11 @@ fn approach<'a>(
 /// Rows of contacts in the order of their depth, on a rigid body or of a point.
 fn push_plain<'a>(
     rows: &mut RowSet,
-    p: usize,
-    pair: &Pair,
+    on: &ToolOnBody<'_>,
     contacts: impl Iterator<Item = &'a Contact>,
-    view: Option<&DeformingView<'_>>,
-    way: Way,
-    margin: f64,
 ) {
     for (k, contact) in contacts.take(MAX_FEET).enumerate() {
-        push_foot(
-            rows,
-            p,
-            pair,
-            RowKey::foot(k),
-            contact,
-            view,
-            way,
-            margin,
-            0.0,
-        );
+        push_foot(rows, on, RowKey::foot(k), contact, 0.0);
     }
 }
 
@@ -470,6 +462,13 @@ fn shape(search: &mut Search<'_>, p: usize, t: usize) -> Pose {
         under: parts.step,
     };
     let view = view(body, parts);
+    let on = ToolOnBody {
+        p,
+        pair,
+        view: view.as_ref(),
+        way,
+        margin_m: margin,
+    };
     let mut every = 1;
     let pose = anchor.pose();
     if let Some(view) = view.filter(|_| !set.contacts().is_empty()) {
@@ -485,7 +484,7 @@ fn shape(search: &mut Search<'_>, p: usize, t: usize) -> Pose {
             *thinned = every.min(255) as u8;
         }
         for hit in hits.iter() {
-            push_sample(rows, p, pair, hit, &view, way, margin);
+            push_sample(rows, &on, &view, hit);
         }
     }
     let warm = warm.rows();
@@ -497,31 +496,22 @@ fn shape(search: &mut Search<'_>, p: usize, t: usize) -> Pose {
             pose: &pose,
             size_m: body.size_m,
             side,
-            margin_m: margin,
             remembers: !edges_known && tool.coupling.turns(),
         };
-        push_manifold(
-            rows,
-            p,
-            pair,
-            scratch_pair.set.contacts().iter(),
-            warm,
-            parts,
-            &placed,
-            way,
-        );
+        let found = scratch_pair.set.contacts().iter();
+        push_manifold(rows, &on, found, warm, parts, &placed);
         return pose;
     }
     let feet = scratch_pair.set.contacts().iter();
     let Some(view) = view else {
-        push_plain(rows, p, pair, feet, None, way, margin);
+        push_plain(rows, &on, feet);
         return pose;
     };
     // What gives way has samples beside the deepest points.
     let feet = feet.filter(|contact| contact.point != ToolPoint::Round);
     let follow = match tool.shape {
         ToolShape::Point => {
-            push_plain(rows, p, pair, feet, Some(&view), way, margin);
+            push_plain(rows, &on, feet);
             return pose;
         }
         ToolShape::Sphere { .. } => Follow::Rolls,
@@ -529,18 +519,19 @@ fn shape(search: &mut Search<'_>, p: usize, t: usize) -> Pose {
         ToolShape::Surface(_) | ToolShape::Implicit { .. } | ToolShape::Mesh(_) => Follow::Stays,
     };
     let shape = &tool.shape;
-    let tool = Treader {
+    let tool = FollowedTool {
+        on,
+        view: &view,
         pose: &pose,
         follow,
         size_m: body.size_m,
         side: if proxy.below { -1.0 } else { 1.0 },
-        margin_m: margin,
         every,
         sunk_m: *sunk_m,
         beside_m: beside_m(shape, body.size_m),
     };
     let facing = |point: &Point3| scratch_pair.facing(shape, &pose, point, margin);
-    push_feet(rows, p, pair, feet, warm, parts, &view, &tool, way, facing);
+    push_feet(rows, &tool, feet, warm, parts, facing);
     pose
 }
 

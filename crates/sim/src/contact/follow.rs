@@ -8,10 +8,9 @@
 //! neither another foot nor four samples hold the surface already. Every row that comes thus comes
 //! where it carries nothing yet, and the force is as smooth as the tool's way.
 
-use super::feet::{MAX_FEET, Way, push_foot};
+use super::feet::{MAX_FEET, ToolOnBody, push_foot};
 use super::warm::WarmRow;
 use crate::party::BodyScratch;
-use crate::scene::Pair;
 use crate::solve::row_key::{FEET_OF_PAIR, RowKey};
 use crate::solve::rows::{DeformingView, Row, RowSet};
 use palpate_geometry::contact::{Contact, Facing, ToolPoint};
@@ -44,13 +43,15 @@ pub(super) enum Follow {
 }
 
 /// A tool as its feet see it.
-pub(super) struct Treader<'a> {
+pub(super) struct FollowedTool<'a> {
+    pub on: ToolOnBody<'a>,
+    /// Of the body.
+    pub view: &'a DeformingView<'a>,
     pub pose: &'a Pose,
     pub follow: Follow,
     pub size_m: f64,
     /// +1, or −1 below a sheet.
     pub side: f64,
-    pub margin_m: f64,
     /// Every which sample is a row.
     pub every: usize,
     /// How much farther than the net shows it was in, m.
@@ -63,18 +64,14 @@ pub(super) struct Treader<'a> {
 /// already.
 pub(super) fn push_feet<'a>(
     rows: &mut RowSet,
-    p: usize,
-    pair: &Pair,
+    tool: &FollowedTool<'_>,
     found: impl Iterator<Item = &'a Contact>,
     warm: &[WarmRow],
     parts: &BodyScratch,
-    view: &DeformingView<'_>,
-    tool: &Treader<'_>,
-    way: Way,
     facing: impl Fn(&Point3) -> Option<Facing>,
 ) {
     let old = || {
-        let own = warm.iter().filter(|row| row.id.pair as usize == p);
+        let own = warm.iter().filter(|row| row.id.pair as usize == tool.on.p);
         own.filter_map(|row| match row.id.key {
             RowKey::Foot(number) => Some((u32::from(number), row)),
             _ => None,
@@ -88,17 +85,7 @@ pub(super) fn push_feet<'a>(
         |points: &[Point3], x: &Point3, m: f64| points.iter().all(|other| (other - x).norm() > m);
     let push = |number: u32, contact: &Contact, share: f64, rows: &mut RowSet| {
         let (key, regularization) = (RowKey::foot(number as usize), share / (1.0 - share));
-        push_foot(
-            rows,
-            p,
-            pair,
-            key,
-            contact,
-            Some(view),
-            way,
-            tool.margin_m,
-            regularization,
-        );
+        push_foot(rows, &tool.on, key, contact, regularization);
     };
     for (number, row) in old() {
         let Some(contact) = tool.followed(row, parts, &facing) else {
@@ -108,7 +95,7 @@ pub(super) fn push_feet<'a>(
         if count == MAX_FEET || !apart(&points[..count], &contact.on_body, same_m) {
             continue;
         }
-        let share = carried(rows, &contact, view, tool);
+        let share = carried(rows, &contact, tool);
         if share > MOST {
             continue;
         }
@@ -121,9 +108,9 @@ pub(super) fn push_feet<'a>(
         if count == MAX_FEET || number >= FEET_OF_PAIR {
             return;
         }
-        let share = carried(rows, contact, view, tool);
+        let share = carried(rows, contact, tool);
         if share > MOST
-            || held(rows, contact, view, tool)
+            || held(rows, contact, tool)
             || !apart(&points[..count], &contact.on_body, tool.beside_m)
         {
             continue;
@@ -135,7 +122,7 @@ pub(super) fn push_feet<'a>(
     }
 }
 
-impl Treader<'_> {
+impl FollowedTool<'_> {
     /// Where a foot of the last tick is now.
     fn followed(
         &self,
@@ -184,15 +171,15 @@ impl Treader<'_> {
 /// Which share of a contact samples carry: 0 near the rim of the contact, 1 where samples are pressed
 /// on all sides as far as [`FAR`] of them. It changes smoothly as samples come and go and as the
 /// contact moves between them.
-fn carried(rows: &RowSet, contact: &Contact, view: &DeformingView<'_>, tool: &Treader<'_>) -> f64 {
-    let samples = view.samples;
+fn carried(rows: &RowSet, contact: &Contact, tool: &FollowedTool<'_>) -> f64 {
+    let samples = tool.view.samples;
     let Some(around) = samples.around(contact.u, contact.v) else {
         return 0.0;
     };
     let pressed = |sample: usize| {
-        let row = row_of(rows, sample, view, tool)?;
-        let deep = -(row.gap_m + tool.sunk_m) / (PRESSED * tool.margin_m);
-        let near = 1.0 - (row.now_m + tool.sunk_m) / tool.margin_m;
+        let row = row_of(rows, sample, tool)?;
+        let deep = -(row.gap_m + tool.sunk_m) / (PRESSED * tool.on.margin_m);
+        let near = 1.0 - (row.now_m + tool.sunk_m) / tool.on.margin_m;
         Some(deep.clamp(0.0, 1.0) * near.clamp(0.0, 1.0))
     };
     let inside = |sample: usize| {
@@ -209,24 +196,19 @@ fn carried(rows: &RowSet, contact: &Contact, view: &DeformingView<'_>, tool: &Tr
 }
 
 /// Samples on all sides of a contact are pressed: what rises between them is a bulge, and no foot.
-fn held(rows: &RowSet, contact: &Contact, view: &DeformingView<'_>, tool: &Treader<'_>) -> bool {
-    let around = view.samples.around(contact.u, contact.v);
+fn held(rows: &RowSet, contact: &Contact, tool: &FollowedTool<'_>) -> bool {
+    let around = tool.view.samples.around(contact.u, contact.v);
     around.is_some_and(|around| {
         around.into_iter().all(|(sample, weight)| {
             let is_in = |row: &Row| row.gap_m + tool.sunk_m < 0.0;
-            weight > 0.0 && row_of(rows, sample, view, tool).is_some_and(is_in)
+            weight > 0.0 && row_of(rows, sample, tool).is_some_and(is_in)
         })
     })
 }
 
 /// The row of a sample, or of the one that stands for it in a thinned grid.
-fn row_of<'a>(
-    rows: &'a RowSet,
-    sample: usize,
-    view: &DeformingView<'_>,
-    tool: &Treader<'_>,
-) -> Option<&'a Row> {
-    let samples = view.samples;
+fn row_of<'a>(rows: &'a RowSet, sample: usize, tool: &FollowedTool<'_>) -> Option<&'a Row> {
+    let samples = tool.view.samples;
     let back = samples
         .place(sample)
         .map(|at| -((at % tool.every) as isize));

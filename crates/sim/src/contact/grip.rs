@@ -1,6 +1,6 @@
 //! Grips: made where a tool touches while its button is down, held as rows, let go.
 
-use super::feet::{margin_m, push_anchor};
+use super::feet::{HeldPoint, margin_m, push_anchor};
 use crate::haptics::LinkPhase;
 use crate::party::ToolScratch;
 use crate::party::view;
@@ -96,11 +96,14 @@ pub(crate) fn push_anchors(
             p,
             pair,
             RowKey::Anchor(anchor.number as u8),
-            &contact,
+            &HeldPoint {
+                contact,
+                away,
+                arm,
+                limit_n,
+            },
             view(body, parts).as_ref(),
             &parts.step,
-            (away, arm),
-            limit_n,
         );
     }
 }

@@ -6,10 +6,9 @@
 //! stands, by descent from its last foot. A point of the tool may never be inside of the body, so such a row is right
 //! wherever the tool has rolled to meanwhile.
 
-use super::feet::{MAX_FEET, Way, push_foot};
+use super::feet::{MAX_FEET, ToolOnBody, push_foot};
 use super::warm::WarmRow;
 use crate::party::BodyScratch;
-use crate::scene::Pair;
 use crate::solve::row_key::{FEET_OF_PAIR, RowKey};
 use crate::solve::rows::RowSet;
 use palpate_geometry::contact::{Contact, ToolPoint};
@@ -24,24 +23,21 @@ pub(super) struct Placed<'a> {
     pub size_m: f64,
     /// +1, or −1 below a sheet.
     pub side: f64,
-    pub margin_m: f64,
     /// Points that touched are looked up again.
     pub remembers: bool,
 }
 
-/// Rows of the contacts found now, and perhaps of those remembered from the last tick.
+/// Rows of the contacts on a rigid body found now, and perhaps of those remembered from the last tick.
 pub(super) fn push_manifold<'a>(
     rows: &mut RowSet,
-    p: usize,
-    pair: &Pair,
+    on: &ToolOnBody<'_>,
     found: impl Iterator<Item = &'a Contact>,
     remembered: &[WarmRow],
     parts: &BodyScratch,
     placed: &Placed<'_>,
-    way: Way,
 ) {
     let old = || {
-        let own = remembered.iter().filter(|row| row.id.pair as usize == p);
+        let own = remembered.iter().filter(|row| row.id.pair as usize == on.p);
         own.filter_map(|row| match row.id.key {
             RowKey::Foot(number) => Some((u32::from(number), row)),
             _ => None,
@@ -67,17 +63,7 @@ pub(super) fn push_manifold<'a>(
         }
         used |= 1 << number;
         taken |= 1 << number;
-        push_foot(
-            rows,
-            p,
-            pair,
-            RowKey::foot(number as usize),
-            contact,
-            None,
-            way,
-            placed.margin_m,
-            0.0,
-        );
+        push_foot(rows, on, RowKey::foot(number as usize), contact, 0.0);
         points[count] = contact.on_tool;
         count += 1;
     }
@@ -115,17 +101,7 @@ pub(super) fn push_manifold<'a>(
             point: ToolPoint::Found,
         };
         taken |= 1 << number;
-        push_foot(
-            rows,
-            p,
-            pair,
-            RowKey::foot(number as usize),
-            &contact,
-            None,
-            way,
-            placed.margin_m,
-            0.0,
-        );
+        push_foot(rows, on, RowKey::foot(number as usize), &contact, 0.0);
         points[count] = on_tool;
         count += 1;
     }

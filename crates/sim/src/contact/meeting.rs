@@ -5,30 +5,23 @@
 //! foot that it was in the last tick, so that solves start from what it carried and friction remembers
 //! where it stuck.
 
-use super::feet::{MAX_FEET, push_between};
+use super::feet::{MAX_FEET, TwoBodies, push_between};
 use super::lying;
 use super::warm::WarmRow;
 use crate::party::BodyScratch;
 use crate::party::Gives;
-use crate::party::RigidStep;
-use crate::scene::Pair;
 use crate::solve::row_key::{FEET_OF_PAIR, RowKey};
-use crate::solve::rows::{DeformingView, RowSet};
+use crate::solve::rows::RowSet;
 use palpate_geometry::contact::{Contact, ToolPoint};
 use palpate_geometry::math::Point3;
 
 /// Two bodies that meet: the pair's body first, then its holder.
 pub(super) struct Meeting<'a> {
-    pub p: usize,
-    pub pair: &'a Pair,
+    pub of: TwoBodies<'a>,
     /// Of the pair's body.
     pub parts: &'a BodyScratch,
     /// Of the holder.
     pub theirs: &'a BodyScratch,
-    pub views: [Option<DeformingView<'a>>; 2],
-    /// How each goes within the tick, of rigid bodies that move.
-    pub steps: [RigidStep; 2],
-    pub margin_m: f64,
     /// Size of the pair's body, m.
     pub size_m: f64,
     /// A contact nearer than this to a foot of the last tick is that foot, m.
@@ -90,7 +83,7 @@ impl Meeting<'_> {
     /// Rows of `found`, deepest first.
     pub(super) fn push_feet(&self, rows: &mut RowSet, found: &[Contact], warm: &[WarmRow]) {
         let own = warm.iter();
-        let own = own.filter(|row| row.id.pair as usize == self.p && row.id.key.is_foot());
+        let own = own.filter(|row| row.id.pair as usize == self.of.p && row.id.key.is_foot());
         // Numbers of the last tick stay taken: a new foot must not start from what another carried.
         let number = |row: &WarmRow| match row.id.key {
             RowKey::Foot(number) => 1 << number,
@@ -114,21 +107,11 @@ impl Meeting<'_> {
     }
 
     fn deforms(&self) -> bool {
-        self.views.iter().any(Option::is_some)
+        self.of.views.iter().any(Option::is_some)
     }
 
     fn push(&self, to: &mut Pushed<'_>, key: RowKey, contact: &Contact) {
-        let Self { views, steps, .. } = self;
-        push_between(
-            to.rows,
-            self.p,
-            self.pair,
-            key,
-            contact,
-            views,
-            steps,
-            self.margin_m,
-        );
+        push_between(to.rows, &self.of, key, contact);
         to.points[to.count] = contact.on_tool;
         to.count += 1;
     }
@@ -156,7 +139,7 @@ impl Meeting<'_> {
         }
         let deeper_m = match carried.count() < SPANNED {
             true => DEEPER * self.size_m,
-            false => MUCH_DEEPER * self.margin_m,
+            false => MUCH_DEEPER * self.of.margin_m,
         };
         let deeper_m = kept_m + deeper_m;
         let deepest = found.iter().filter(|contact| !spans(contact));
@@ -195,7 +178,7 @@ impl Meeting<'_> {
             let nearest = (0..count).min_by(|&a, &b| away(a).total_cmp(&away(b)));
             let nearest = nearest.filter(|&k| away(k) < self.same_m);
             let lies = self.lies.is_some();
-            let jumps = lies && nearest.is_some_and(|k| away(k) > self.margin_m);
+            let jumps = lies && nearest.is_some_and(|k| away(k) > self.of.margin_m);
             let known = nearest.and_then(|k| {
                 count -= 1;
                 old.swap(k, count);
@@ -227,7 +210,7 @@ impl Meeting<'_> {
 
     /// The contact of a foot of the last tick, where it now is.
     fn again(&self, row: &WarmRow) -> Option<Contact> {
-        let [mine, theirs] = self.views.each_ref().map(Option::is_some);
+        let [mine, theirs] = self.of.views.each_ref().map(Option::is_some);
         if mine || theirs {
             let on = [self.parts, self.theirs];
             return lying::on_soft(row, theirs, on, self.size_m, self.sides);
@@ -241,7 +224,7 @@ impl Meeting<'_> {
         let [s, t] = contact.tool_uv.unwrap_or_default();
         let places = [[contact.u, contact.v], [s, t]];
         let keys = [RowKey::sample, RowKey::of_owner];
-        let views = self.views.iter().zip(places).zip(keys);
+        let views = self.of.views.iter().zip(places).zip(keys);
         views
             .filter_map(|((view, at), key)| Some((view.as_ref()?, at, key)))
             .any(|(view, [u, v], key)| {

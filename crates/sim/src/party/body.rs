@@ -6,9 +6,8 @@ use crate::body::{DeformableScratch, DeformableState};
 use crate::in_place::clone_in_place;
 use crate::scene::{Body, Scene};
 use crate::solve::side::Sided;
-use palpate_geometry::contact::dispatch::SkinSide;
 use palpate_geometry::math::{Point3, Vector3};
-use palpate_geometry::skin::{Skin, SkinSolver};
+use palpate_geometry::skin::{Skin, SkinSide, SkinSolver};
 use palpate_geometry::stateful;
 
 /// State of a body.

@@ -201,19 +201,6 @@ impl Scene {
         &self.bodies[body].id
     }
 
-    /// Bodies whose nets are in pieces, by id: rows and columns after which they begin anew.
-    pub fn net_gaps(&self) -> Vec<(String, [Vec<usize>; 2])> {
-        let gaps = |body: &Arc<Body>| match &body.skin {
-            Skin::Surface(surface) => {
-                [surface.knots_u(), surface.knots_v()].map(|knots| knots.parted_after())
-            }
-            Skin::Part(_) => [Vec::new(), Vec::new()],
-        };
-        let all = self.bodies.iter().map(|body| (body.id.clone(), gaps(body)));
-        all.filter(|(_, gaps)| gaps.iter().any(|gaps| !gaps.is_empty()))
-            .collect()
-    }
-
     /// The surface of a body at rest, refined as simulated and published (world frame); `None` of a part.
     pub fn rest_surface(&self, body: usize) -> Option<&Surface> {
         self.bodies[body].skin.surface()

@@ -7,7 +7,7 @@ use palpate_geometry::contact::implicit::{ImplicitShape, ImplicitSolver};
 use palpate_geometry::contact::mesh::{MeshSolver, MeshTool};
 use palpate_geometry::contact::{ContactSet, Reach, swept};
 use palpate_geometry::math::{Point3, Pose, Rotation, Vector3};
-use palpate_geometry::skin::{Skin, SkinSolver};
+use palpate_geometry::skin::{Skin, SkinSide, SkinSolver};
 use palpate_geometry::surface::{Bounds, ClosestSolver, Surface, builtin};
 
 /// Poses around and inside a body, a golden spiral of them.
@@ -102,12 +102,32 @@ fn contact_queries_allocate_nothing_and_repeat_themselves() {
         let mut closest = SkinSolver::new(&skin);
         let mut implicit = ImplicitSolver::new(&skin);
         run("implicit", &body, 12, |p, out| {
-            implicit.contacts(&skin, &mut closest, &tool, p, &reach, &[], out)
+            implicit.contacts(
+                SkinSide {
+                    skin: &skin,
+                    solver: &mut closest,
+                },
+                &tool,
+                p,
+                &reach,
+                &[],
+                out,
+            )
         });
         let tool = tetrahedron(0.1 * size);
         let mut mesh = MeshSolver::new(&skin, &tool);
         run("mesh", &body, 12, |p, out| {
-            mesh.contacts(&skin, &mut closest, &tool, p, &reach, &[], out)
+            mesh.contacts(
+                SkinSide {
+                    skin: &skin,
+                    solver: &mut closest,
+                },
+                &tool,
+                p,
+                &reach,
+                &[],
+                out,
+            )
         });
         let sweeps = allocations(|| {
             for k in 0..30 {

@@ -1,9 +1,8 @@
 //! The same bodies in our engine and in rapier3d, both in this process, and in MuJoCo, which runs in Python.
 
-use super::setup::Setup;
+use super::setup::{BALL_M, DT_S, HEIGHT_M, Motion, RADIUS_M, Setup};
 #[cfg(feature = "peers")]
 use super::setup::{Form, Thing};
-use super::{BALL_M, DT_S, HEIGHT_M, RADIUS_M};
 use crate::measure::clocked;
 use crate::peers::python;
 use palpate_geometry::math::Point3;
@@ -13,24 +12,6 @@ use palpate_sim::tick::SceneState;
 
 /// What runs in Python: prints one JSON object.
 const SCRIPT: &str = include_str!("../../../../../benches/peers/rigid.py");
-
-/// How a body moves after a tick.
-#[derive(Clone, Debug, serde::Deserialize)]
-pub(super) struct Motion {
-    pub centre_m: [f64; 3],
-    pub velocity_m_s: [f64; 3],
-    pub spin_rad_s: [f64; 3],
-    /// Of length 1. It starts along z.
-    pub axis: [f64; 3],
-}
-
-impl Motion {
-    /// Of its axis.
-    pub(super) fn tilt_rad(&self) -> f64 {
-        let [x, y, z] = self.axis;
-        libm::atan2(libm::hypot(x, y), z)
-    }
-}
 
 /// A tick, and the bodies after it.
 #[derive(Clone, Debug, serde::Deserialize)]

@@ -1,10 +1,17 @@
 //! Bodies of a case, and the text of our scene with them.
 
-use super::engines::Motion;
-use super::{BALL_M, DENSITY_KG_M3, GRAVITY_M_S2, HEIGHT_M, RADIUS_M};
 use palpate_geometry::math::Vector3;
 use std::f64::consts::PI;
 use std::fmt::Write;
+
+pub(super) const DT_S: f64 = 1e-3;
+pub(super) const GRAVITY_M_S2: f64 = 9.81;
+/// Of the pucks, m.
+pub(super) const RADIUS_M: f64 = 0.02;
+pub(super) const HEIGHT_M: f64 = 0.02;
+/// Of the balls, m.
+pub(super) const BALL_M: f64 = 0.03;
+pub(super) const DENSITY_KG_M3: f64 = 1000.0;
 
 /// A puck's axis is along z.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -23,6 +30,24 @@ pub(super) struct Thing {
     pub density_kg_m3: f64,
     pub velocity_m_s: [f64; 3],
     pub spin_rad_s: [f64; 3],
+}
+
+/// How a body moves after a tick.
+#[derive(Clone, Debug, serde::Deserialize)]
+pub(super) struct Motion {
+    pub centre_m: [f64; 3],
+    pub velocity_m_s: [f64; 3],
+    pub spin_rad_s: [f64; 3],
+    /// Of length 1. It starts along z.
+    pub axis: [f64; 3],
+}
+
+impl Motion {
+    /// Of its axis.
+    pub(super) fn tilt_rad(&self) -> f64 {
+        let [x, y, z] = self.axis;
+        libm::atan2(libm::hypot(x, y), z)
+    }
 }
 
 /// Bodies, what they lie on and what pulls them.

@@ -1,12 +1,12 @@
 //! Closed forms: tools on a flat sheet and in a ball.
 
 use super::*;
-use crate::contact::dispatch::{Method, Narrow, Party, SkinSide};
+use crate::contact::dispatch::{Method, Narrow, Party};
 use crate::contact::implicit::ImplicitShape;
 use crate::contact::mesh::MeshTool;
 use crate::contact::{Contact, Reach, ToolPoint, ToolShape};
 use crate::math::{Pose, Random, Rotation, Vector3, rotation_by};
-use crate::skin::{Skin, SkinSolver};
+use crate::skin::{Skin, SkinSide, SkinSolver};
 use crate::surface::{Surface, builtin};
 
 const MARGIN_M: f64 = 1e-5;

@@ -4,7 +4,7 @@ use super::shape::ImplicitTool;
 use crate::contact::depth::{DepthField, SkinDepths};
 use crate::contact::{Contact, ContactSet, Reach};
 use crate::math::{Matrix3, Point3, Pose, Vector3};
-use crate::skin::{Skin, SkinSolver};
+use crate::skin::{Skin, SkinSide};
 
 /// Scratch against one body, sized once. Nothing in it outlives a query.
 #[derive(Clone, Debug)]
@@ -67,14 +67,14 @@ impl ImplicitSolver {
     /// finite touches nothing. Both sides of an open sheet are alike to a solid.
     pub fn contacts(
         &mut self,
-        skin: &Skin,
-        solver: &mut SkinSolver,
+        body: SkinSide<'_>,
         tool: &ImplicitTool,
         pose: &Pose,
         reach: &Reach,
         beside: &[Contact],
         out: &mut ContactSet,
     ) {
+        let SkinSide { skin, solver } = body;
         out.clear();
         let finite = pose
             .translation

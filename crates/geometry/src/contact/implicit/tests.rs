@@ -5,7 +5,7 @@ use crate::basis::testing::Random;
 use crate::contact::exact::{ExactScratch, ball, plane};
 use crate::contact::{ContactSet, Reach};
 use crate::math::{Point3, Pose, Rotation, Vector3};
-use crate::skin::{Skin, SkinSolver};
+use crate::skin::{Skin, SkinSide, SkinSolver};
 use crate::surface::{ClosestSolver, Surface, builtin};
 
 const TEXTS: [&str; 12] = [
@@ -148,7 +148,17 @@ fn touch(surface: &Surface, shape: &ImplicitShape, pose: &Pose, reach: &Reach) -
     let mut solver = SkinSolver::new(&skin);
     let mut implicit = ImplicitSolver::new(&skin);
     let (tool, mut out) = (shape.compile().unwrap(), ContactSet::new());
-    implicit.contacts(&skin, &mut solver, &tool, pose, reach, &[], &mut out);
+    implicit.contacts(
+        SkinSide {
+            skin: &skin,
+            solver: &mut solver,
+        },
+        &tool,
+        pose,
+        reach,
+        &[],
+        &mut out,
+    );
     for c in out.contacts() {
         let scale = surface.size() + c.on_body.coords.amax();
         assert!(

@@ -11,7 +11,7 @@ use crate::contact::depth::{DepthField, SkinDepths};
 use crate::contact::{Contact, ContactSet, MAX_CONTACTS, Reach, ToolPoint};
 use crate::math::{Point3, Pose, Vector3};
 use crate::part::{Part, PartFoot, PartSolver, Support};
-use crate::skin::{Skin, SkinSolver};
+use crate::skin::{Skin, SkinSide, SkinSolver};
 use crate::surface::{ClosestPoint, WarmFoot};
 use std::cell::RefCell;
 
@@ -195,14 +195,14 @@ impl MeshSolver {
     /// finite touches nothing.
     pub fn contacts(
         &mut self,
-        skin: &Skin,
-        solver: &mut SkinSolver,
+        body: SkinSide<'_>,
         tool: &MeshTool,
         pose: &Pose,
         reach: &Reach,
         beside: &[Contact],
         out: &mut ContactSet,
     ) {
+        let SkinSide { skin, solver } = body;
         out.clear();
         let finite = pose
             .translation

@@ -4,7 +4,7 @@ use super::{MeshError, MeshSolver, MeshTool};
 use crate::basis::testing::Random;
 use crate::contact::{ContactSet, Reach};
 use crate::math::{Point3, Pose, Rotation, Vector3};
-use crate::skin::{Skin, SkinSolver};
+use crate::skin::{Skin, SkinSide, SkinSolver};
 use crate::surface::{ClosestSolver, Surface, builtin};
 
 const CUBE: [[u32; 3]; 12] = [
@@ -177,7 +177,17 @@ fn touch(surface: &Surface, tool: &MeshTool, pose: &Pose, reach: &Reach) -> Cont
     let mut solver = SkinSolver::new(&skin);
     let mut mesh = MeshSolver::new(&skin, tool);
     let mut out = ContactSet::new();
-    mesh.contacts(&skin, &mut solver, tool, pose, reach, &[], &mut out);
+    mesh.contacts(
+        SkinSide {
+            skin: &skin,
+            solver: &mut solver,
+        },
+        tool,
+        pose,
+        reach,
+        &[],
+        &mut out,
+    );
     for c in out.contacts() {
         let scale = surface.size() + c.on_body.coords.amax();
         assert!(

@@ -21,6 +21,7 @@ mod tests;
 use self::join::{CurvePlace, JoinedCurve};
 use self::march::{End, march};
 use self::seeds::{Seed, seeds};
+use super::touch::Divided;
 use super::{PairSide, PairSolver, usable};
 use crate::math::Point3;
 
@@ -75,16 +76,17 @@ impl PairSolver {
         if !(size_m.is_finite() && size_m > 0.0) {
             return vec![];
         }
-        let (a, b) = (body.solver.pieces_now(), tool.solver.pieces_now());
-        self.touch.find(
-            body.surface,
-            a,
-            &mut self.body,
-            tool.surface,
-            b,
-            &mut self.tool,
-            1e-11 * size_m,
-        );
+        let mut a = Divided {
+            surface: body.surface,
+            pieces: body.solver.pieces_now(),
+            cells: &mut self.body,
+        };
+        let mut b = Divided {
+            surface: tool.surface,
+            pieces: tool.solver.pieces_now(),
+            cells: &mut self.tool,
+        };
+        self.touch.find(&mut a, &mut b, 1e-11 * size_m);
         let mut joined = JoinedCurve::new(
             [body.surface, tool.surface],
             [body.solver, tool.solver],

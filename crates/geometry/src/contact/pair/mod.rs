@@ -34,6 +34,7 @@ use self::depth::Below;
 use self::facing::{Half, StationaryPair, face};
 use self::regions::{PairRegion, Regions};
 use self::tops::{Top, Upper};
+use self::touch::{Divided, Touch};
 use super::{Contact, ContactSet, Reach, Rectangle, ToolPoint};
 use crate::math::Vector3;
 use crate::surface::{ClosestSolver, Surface};
@@ -71,7 +72,7 @@ pub struct PairSolver {
     tool: Cells,
     on_body: Regions,
     on_tool: Regions,
-    touch: touch::Touch,
+    touch: Touch,
     facing: Vec<StationaryPair>,
     /// Pairs of cells that are flat on each other.
     flat: Vec<[usize; 2]>,
@@ -93,7 +94,7 @@ impl PairSolver {
         Self {
             on_body: Regions::new(&body_cells),
             on_tool: Regions::new(&tool_cells),
-            touch: touch::Touch::new(tool_solver.pieces(tool).len()),
+            touch: Touch::new(tool_solver.pieces(tool).len()),
             facing: Vec::with_capacity(MOST_FACING),
             flat: Vec::with_capacity(MOST_FLAT),
             starts: Vec::with_capacity(2 * tool_cells.cell_count()),
@@ -252,15 +253,17 @@ impl PairSolver {
             return;
         }
         let (body_pieces, tool_pieces) = (body_solver.pieces_now(), tool_solver.pieces_now());
-        self.touch.find(
-            body,
-            body_pieces,
-            &mut self.body,
-            tool,
-            tool_pieces,
-            &mut self.tool,
-            reach_m,
-        );
+        let mut a = Divided {
+            surface: body,
+            pieces: body_pieces,
+            cells: &mut self.body,
+        };
+        let mut b = Divided {
+            surface: tool,
+            pieces: tool_pieces,
+            cells: &mut self.tool,
+        };
+        self.touch.find(&mut a, &mut b, reach_m);
         {
             let mut a = Half {
                 surface: body,

@@ -38,6 +38,17 @@ pub(super) struct PairRegion {
     root: u32,
 }
 
+/// Where a climb starts.
+#[derive(Clone, Copy)]
+struct Start {
+    /// Parameters on the upper surface.
+    at: (f64, f64),
+    /// Those of its foot on the one below.
+    foot: (f64, f64),
+    /// Of a vertex inside.
+    vertex: Option<u32>,
+}
+
 /// Scratch for one surface.
 #[derive(Clone, Debug)]
 pub(super) struct Regions {
@@ -166,7 +177,12 @@ impl Regions {
             if known {
                 continue;
             }
-            self.climb(upper, cells, below, (u, v), (s, t), margin_m, None);
+            let start = Start {
+                at: (u, v),
+                foot: (s, t),
+                vertex: None,
+            };
+            self.climb(upper, cells, below, start, margin_m);
         }
         self.order.clear();
         for vertex in 0..cells.vertex_count() {
@@ -210,16 +226,12 @@ impl Regions {
                 }
                 self.best[root] = d;
             }
-            let from = self.foot[vertex as usize];
-            self.climb(
-                upper,
-                cells,
-                below,
-                (u, v),
-                from,
-                margin_m,
-                (d >= -self.flat_m).then_some(vertex),
-            );
+            let start = Start {
+                at: (u, v),
+                foot: self.foot[vertex as usize],
+                vertex: (d >= -self.flat_m).then_some(vertex),
+            };
+            self.climb(upper, cells, below, start, margin_m);
         }
         self.gather(cells);
     }
@@ -248,7 +260,12 @@ impl Regions {
         };
         let cell = cells.cell_at(u, v);
         cells.look(upper.surface, upper.solver.pieces_now(), cell);
-        self.climb(upper, cells, below, (u, v), foot, margin_m, None);
+        let start = Start {
+            at: (u, v),
+            foot,
+            vertex: None,
+        };
+        self.climb(upper, cells, below, start, margin_m);
         self.found.clear();
         self.gather(cells);
     }
@@ -353,18 +370,16 @@ impl Regions {
         }
     }
 
-    /// Climbs from a place; what is found becomes a top, joined with the vertex it was climbed from
-    /// and those around it.
+    /// Climbs from a place; what is found becomes a top, joined with the vertex it was climbed from, or those around it.
     fn climb(
         &mut self,
         upper: &mut Upper<'_>,
         cells: &Cells,
         below: &mut Below<'_>,
-        at: (f64, f64),
-        foot: (f64, f64),
+        start: Start,
         margin_m: f64,
-        vertex: Option<u32>,
     ) {
+        let Start { at, foot, vertex } = start;
         let across = cells.box_of(cells.cell_at(at.0, at.1)).diagonal();
         let reach_m = if across.is_finite() {
             0.5 * across

@@ -6,6 +6,19 @@ use crate::surface::{BezierPieces, Surface};
 /// Most pairs of facing cells looked at.
 const MOST_PAIRS: usize = 4096;
 
+/// A surface, its Bézier pieces, and the cells that these are divided into.
+pub(super) struct Divided<'a> {
+    pub surface: &'a Surface,
+    pub pieces: &'a BezierPieces,
+    pub cells: &'a mut Cells,
+}
+
+impl Divided<'_> {
+    fn look(&mut self, cell: usize) {
+        self.cells.look(self.surface, self.pieces, cell);
+    }
+}
+
 /// Scratch memory of a query.
 #[derive(Clone, Debug)]
 pub(super) struct Touch {
@@ -30,34 +43,25 @@ impl Touch {
     }
 
     /// Marks touched cells of both, and lists the facing pairs.
-    pub fn find(
-        &mut self,
-        a: &Surface,
-        a_pieces: &BezierPieces,
-        a_cells: &mut Cells,
-        b: &Surface,
-        b_pieces: &BezierPieces,
-        b_cells: &mut Cells,
-        reach_m: f64,
-    ) {
+    pub fn find(&mut self, a: &mut Divided<'_>, b: &mut Divided<'_>, reach_m: f64) {
         self.near.clear();
         self.blocks.clear();
         self.facing.clear();
-        for k in 0..b_pieces.len() {
-            let block = block(b_pieces, k);
-            if block.meets(&a_cells.whole, reach_m) {
+        for k in 0..b.pieces.len() {
+            let block = block(b.pieces, k);
+            if block.meets(&a.cells.whole, reach_m) {
                 self.near.push(k as u32);
                 self.blocks.push(block);
             }
         }
-        for x in 0..a_pieces.len() {
-            let own = block(a_pieces, x);
-            if !own.meets(&b_cells.whole, reach_m) {
+        for x in 0..a.pieces.len() {
+            let own = block(a.pieces, x);
+            if !own.meets(&b.cells.whole, reach_m) {
                 continue;
             }
             for k in 0..self.near.len() {
                 if own.meets(&self.blocks[k], reach_m) {
-                    self.pieces(a, a_pieces, a_cells, x, b, b_pieces, b_cells, k, reach_m);
+                    self.pieces(a, x, b, k, reach_m);
                 }
             }
         }
@@ -65,38 +69,34 @@ impl Touch {
 
     fn pieces(
         &mut self,
-        a: &Surface,
-        a_pieces: &BezierPieces,
-        a_cells: &mut Cells,
+        a: &mut Divided<'_>,
         x: usize,
-        b: &Surface,
-        b_pieces: &BezierPieces,
-        b_cells: &mut Cells,
+        b: &mut Divided<'_>,
         k: usize,
         reach_m: f64,
     ) {
         let (y, whole) = (self.near[k] as usize, self.blocks[k]);
-        let (([i, j], [m, n]), ([k, l], [p, q])) = (a_cells.of_piece(x), b_cells.of_piece(y));
-        let (columns_a, columns_b) = (a_cells.counts[1], b_cells.counts[1]);
+        let (([i, j], [m, n]), ([k, l], [p, q])) = (a.cells.of_piece(x), b.cells.of_piece(y));
+        let (columns_a, columns_b) = (a.cells.counts[1], b.cells.counts[1]);
         for r in 0..m * n {
             let cell = (i + r / n) * columns_a + j + r % n;
-            a_cells.look(a, a_pieces, cell);
-            if !a_cells.box_of(cell).meets(&whole, reach_m) {
+            a.look(cell);
+            if !a.cells.box_of(cell).meets(&whole, reach_m) {
                 continue;
             }
             for s in 0..p * q {
                 let other = (k + s / q) * columns_b + l + s % q;
-                b_cells.look(b, b_pieces, other);
-                if !a_cells.box_of(cell).meets(b_cells.box_of(other), reach_m) {
+                b.look(other);
+                if !a.cells.box_of(cell).meets(b.cells.box_of(other), reach_m) {
                     continue;
                 }
-                a_cells.touched[cell] = true;
-                b_cells.touched[other] = true;
+                a.cells.touched[cell] = true;
+                b.cells.touched[other] = true;
                 if self.facing.len() < MOST_PAIRS
-                    && a_cells.cone_of(cell).may_face(b_cells.cone_of(other))
+                    && a.cells.cone_of(cell).may_face(b.cells.cone_of(other))
                 {
-                    a_cells.facing[cell] = true;
-                    b_cells.facing[other] = true;
+                    a.cells.facing[cell] = true;
+                    b.cells.facing[other] = true;
                     self.facing.push((cell as u32, other as u32));
                 }
             }

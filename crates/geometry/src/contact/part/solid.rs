@@ -4,7 +4,7 @@ use crate::contact::features::FeatureSearch;
 use crate::contact::mesh::{MeshSolver, MeshTool};
 use crate::contact::{ContactSet, Reach};
 use crate::math::Pose;
-use crate::skin::{Skin, SkinSolver};
+use crate::skin::{Skin, SkinSide, SkinSolver};
 use std::sync::Arc;
 
 /// Scratch for a part against one body, sized once. Nothing in it outlives a query.
@@ -55,7 +55,11 @@ impl PartSolid {
             features.find(known, pose, skin, closest, reach);
         }
         let beside = features.as_ref().map_or(&[][..], FeatureSearch::found);
-        solver.contacts(skin, closest, tool, pose, reach, beside, out);
+        let body = SkinSide {
+            skin,
+            solver: closest,
+        };
+        solver.contacts(body, tool, pose, reach, beside, out);
         if let Some(features) = features {
             features.join(known, pose, skin, closest, reach, out);
         }

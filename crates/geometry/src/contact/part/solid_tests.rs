@@ -1,6 +1,6 @@
 //! Solids against parts: as they would be as balls, as they are in closed form, and the other way round.
 
-use crate::contact::dispatch::{BodyShape, Method, Narrow, Party, SkinSide};
+use crate::contact::dispatch::{BodyShape, Method, Narrow, Party};
 use crate::contact::implicit::ImplicitShape;
 use crate::contact::mesh::MeshTool;
 use crate::contact::{Contact, Reach, SurfaceShape, ToolPoint, ToolShape};
@@ -8,7 +8,7 @@ use crate::exchange::step::{PartPick, read_part};
 use crate::math::{Point3, Pose, Random, Vector3};
 use crate::part::hand::{prism, rounded};
 use crate::part::{Brep, Part};
-use crate::skin::{PlacedPart, Skin, SkinSolver};
+use crate::skin::{PlacedPart, Skin, SkinSide, SkinSolver};
 use crate::surface::{Surface, builtin};
 use std::sync::Arc;
 

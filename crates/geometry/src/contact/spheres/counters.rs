@@ -48,15 +48,6 @@ impl Counters {
             .map(|level| level.points)
             .sum()
     }
-
-    /// Sphere tests on both sides and all levels.
-    pub fn sphere_tests(&self) -> u32 {
-        self.body
-            .iter()
-            .chain(&self.tool)
-            .map(|level| level.tests)
-            .sum()
-    }
 }
 
 /// The counters of a level.

@@ -21,7 +21,8 @@ pub(super) fn factor(
 ) -> Result<Option<BlockCholesky>, CholeskyError> {
     let n = matrix.n;
     let pairs = matrix.entries.iter().map(|&(i, j, _)| (i, j));
-    let order = ordering::order(&ordering::adjacent(n, pairs), places)?;
+    let order =
+        ordering::order(&ordering::adjacent(n, pairs), places).ok_or(CholeskyError::Ordering)?;
     let mut place = vec![0u32; n];
     for (k, &node) in order.iter().enumerate() {
         place[node as usize] = k as u32;

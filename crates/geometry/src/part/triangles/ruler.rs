@@ -2,10 +2,20 @@
 
 use super::super::carrier::Carrier;
 use super::super::chart::{lifted, wrap};
-use super::Fineness;
 use crate::math::{Point3, Vector3};
 use crate::surface::{BezierPieces, Surface};
 use std::f64::consts::{FRAC_PI_2, TAU};
+
+/// How finely a part is divided.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fineness {
+    /// How far triangles may be from their faces, m.
+    pub tolerance_m: f64,
+    /// Triangles at most.
+    pub most: usize,
+    /// Distance of points within planes, m; `None`: planes have points on their edges only.
+    pub plane_step_m: Option<f64>,
+}
 
 /// A step, of the one whose sagitta is the tolerance.
 const STEP: f64 = 0.7;

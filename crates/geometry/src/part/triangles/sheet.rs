@@ -4,9 +4,8 @@ use super::super::bezier;
 use super::super::carrier::Carrier;
 use super::super::chart::{lifted, wrap};
 use super::super::part::{Edge, Face, Part};
-use super::Fineness;
 use super::corner::{Id, TrianglesError};
-use super::ruler::{self, Plane, Ruler};
+use super::ruler::{self, Fineness, Plane, Ruler};
 use crate::math::{Point3, Vector3};
 
 /// Places at which each segment of an edge is looked at.

@@ -9,8 +9,8 @@
 //! for all levels if it is for the least and the greatest.
 
 use super::newton::{NewtonPlace, OnPieces, descend_between, descend_over};
-use super::objective::{Distance, Objective};
-use super::warm::{Around, gap_outside, query_limit, slacks, surround};
+use super::objective::{Distance, Grid, Problem};
+use super::warm::{Around, Outside, gap_outside, query_limit, slacks, surround};
 use super::{ClosestPoint, ClosestSolver};
 use crate::math::Point3;
 use crate::surface::tensor::Surface;
@@ -109,28 +109,32 @@ impl ClosestSolver {
         clips: &[Clip],
     ) -> Option<Basin> {
         let objective = Distance { q: *query };
-        let (nu, nv) = objective.orders(self.pieces.u.degree, self.pieces.v.degree);
-        let rational = self.pieces.is_rational();
-        let gap_m = |solver: &mut Self, around: Option<Around>, reach_m: f64| {
-            gap_outside(
-                nu,
-                nv,
-                rational,
-                &mut solver.search,
-                &mut solver.pieces,
-                surface,
-                &solver.tables,
-                &objective,
-                within_m,
-                around,
-                Some(clips),
-                2.0 * reach_m,
-                solver.size_m,
-            )
+        let grid = Grid::of(&objective, &self.pieces);
+        let place = at.map(|[u, v]| self.place(u, v));
+        let Self {
+            search,
+            pieces,
+            tables,
+            size_m,
+            ..
+        } = self;
+        let problem = Problem {
+            surface,
+            tables,
+            objective: &objective,
+            size_m: *size_m,
         };
-        let least_m = 1e-6 * self.size_m;
-        let Some([u, v]) = at else {
-            let gap_m = gap_m(self, None, reach_m);
+        let gap_m = |search: &mut _, pieces: &mut _, around: Option<Around>, reach_m: f64| {
+            let outside = Outside {
+                around,
+                clips: Some(clips),
+                distance: within_m,
+            };
+            gap_outside(grid, search, pieces, &problem, &outside, 2.0 * reach_m)
+        };
+        let least_m = 1e-6 * problem.size_m;
+        let Some(place) = place else {
+            let gap_m = gap_m(search, pieces, None, reach_m);
             return (gap_m > least_m).then_some(Basin {
                 centre: *query,
                 bed: None,
@@ -138,35 +142,23 @@ impl ClosestSolver {
                 clear_m: within_m + gap_m,
             });
         };
-        let place = self.place(u, v);
         let mut share = 1.0;
         for _ in 0..4 {
-            let around = surround(&self.pieces, &place, share);
+            let around = surround(pieces, &place, share);
             share *= 0.5;
             let levels = [0.0, (within_m + reach_m) * (within_m + reach_m)];
             let mut limit_m = f64::INFINITY;
-            for level in &levels[..if rational { 2 } else { 1 }] {
-                let found = slacks(
-                    nu,
-                    nv,
-                    rational,
-                    &mut self.search,
-                    &mut self.pieces,
-                    surface,
-                    &self.tables,
-                    &objective,
-                    *level,
-                    around,
-                );
+            for level in &levels[..if grid.rational { 2 } else { 1 }] {
+                let found = slacks(grid, search, pieces, &problem, *level, around);
                 limit_m = found.map_or(0.0, |(slacks, count)| {
-                    let limit = query_limit(&slacks[..count], rational, &self.pieces, within_m);
+                    let limit = query_limit(&slacks[..count], grid.rational, pieces, within_m);
                     limit_m.min(limit)
                 });
             }
             if limit_m <= least_m {
                 continue;
             }
-            let gap_m = gap_m(self, Some(around), reach_m.min(limit_m));
+            let gap_m = gap_m(search, pieces, Some(around), reach_m.min(limit_m));
             if gap_m <= least_m {
                 return None;
             }

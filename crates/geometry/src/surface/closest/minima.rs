@@ -15,7 +15,7 @@
 use super::bernstein::MAX_ORDER;
 use super::judge::{Judge, ends, pole_at, steep};
 use super::newton::{Descent, NewtonPlace, OnPieces, descend_between};
-use super::objective::{Along, Distance, Objective, Tables};
+use super::objective::{Along, Distance, Grid, Objective, Problem};
 use super::search::{Search, SearchPart, TOLERANCE};
 use super::stationary::{Claim, Setting, above, claim, quotient_range};
 use super::{ClosestPoint, ClosestSolver};
@@ -34,6 +34,8 @@ const MOST_STARTS: usize = 600;
 /// Of these, what one piece may take, so that others are looked at as well.
 const PIECE_PARTS: usize = 2_000;
 const PIECE_STARTS: usize = 150;
+/// Heights of a bicubic piece without weights.
+const HEIGHTS: Grid = Grid::polynomial(4);
 /// Halvings after which a part counts as a point: 2⁻³⁰ of a piece.
 const SMALLEST: f64 = 1.0 / (1u64 << 30) as f64;
 
@@ -105,34 +107,26 @@ impl Minima {
         &mut self,
         search: &mut Search,
         pieces: &mut BezierPieces,
-        surface: &Surface,
-        tables: &Tables,
-        objective: &O,
-        size_m: f64,
+        problem: &Problem<'_, O>,
         ceiling: f64,
     ) {
         self.found.clear();
         self.reached.fill(false);
         (self.lost, self.starts, self.groups, self.judged) = (false, 0, 0, [false; 4]);
         search.visited = 0;
-        search.candidates(pieces, surface, objective, ceiling);
+        search.candidates(pieces, problem.surface, problem.objective, ceiling);
         let mut hunt = Hunt {
-            surface,
-            tables,
-            objective,
-            size_m,
+            problem,
             ceiling,
-            delta_m: TOLERANCE * size_m,
+            delta_m: TOLERANCE * problem.size_m,
         };
-        let orders = objective.orders(pieces.u.degree, pieces.v.degree);
+        let grid = Grid::of(problem.objective, pieces);
         let mut k = 0;
         while let Some((_, piece)) = search.candidate(k) {
-            match (orders, pieces.is_rational()) {
-                ((4, 4), false) => self.piece(&mut hunt, search, pieces, piece, 4, 4, false),
-                ((7, 7), false) => self.piece(&mut hunt, search, pieces, piece, 7, 7, false),
-                ((nu, nv), rational) => {
-                    self.piece(&mut hunt, search, pieces, piece, nu, nv, rational)
-                }
+            match grid {
+                HEIGHTS => self.piece(&mut hunt, search, pieces, piece, HEIGHTS),
+                Grid::BICUBIC => self.piece(&mut hunt, search, pieces, piece, Grid::BICUBIC),
+                grid => self.piece(&mut hunt, search, pieces, piece, grid),
             }
             k += 1;
         }
@@ -166,14 +160,12 @@ impl Minima {
         search: &mut Search,
         pieces: &mut BezierPieces,
         piece: usize,
-        nu: usize,
-        nv: usize,
-        rational: bool,
+        grid: Grid,
     ) {
-        let len = nu * nv;
-        let noise = hunt
-            .objective
-            .form(pieces, piece, hunt.tables, &mut search.a, &mut search.w);
+        let Grid { nu, nv, rational } = grid;
+        let (len, problem) = (grid.len(), hunt.problem);
+        let noise =
+            (problem.objective).form(pieces, piece, problem.tables, &mut search.a, &mut search.w);
         search.parts.clear();
         search.parts.push(SearchPart::whole(pieces, piece));
         let mut first = true;
@@ -182,7 +174,7 @@ impl Minima {
             search.visited += 1;
             self.piece.parts += 1;
             if search.visited.is_multiple_of(PATIENCE) {
-                hunt.delta_m = (hunt.delta_m * 10.0).min(WIDEST * hunt.size_m);
+                hunt.delta_m = (hunt.delta_m * 10.0).min(WIDEST * problem.size_m);
             }
             let slot = (search.parts.len() - 1) * search.stride();
             let a = &search.a[slot..slot + len];
@@ -238,7 +230,7 @@ impl Minima {
                     None
                 }
                 Claim::Halve(in_u) if wide_u || wide_v => {
-                    search.halve(nu, nv, rational, if in_u { wide_u } else { !wide_v });
+                    search.halve(grid, if in_u { wide_u } else { !wide_v });
                     continue;
                 }
                 Claim::Halve(_) => Some((0.5, 0.5)),
@@ -270,11 +262,14 @@ impl Minima {
         }
         self.starts += 1;
         self.piece.starts += 1;
+        let Problem {
+            surface,
+            objective,
+            size_m,
+            ..
+        } = *hunt.problem;
         let (low, high) = (part.place(pieces, 0.0, 0.0), part.place(pieces, 1.0, 1.0));
-        let mut eval = OnPieces {
-            pieces,
-            surface: hunt.surface,
-        };
+        let mut eval = OnPieces { pieces, surface };
         let start = part.place(eval.pieces, s, t);
         // Every piece around a pole leads to it; it is the same place.
         if ends(eval.pieces, &start)
@@ -286,21 +281,21 @@ impl Minima {
         }
         let found = descend_between(
             &mut eval,
-            hunt.objective,
+            objective,
             start,
             [low.u, low.v],
             [high.u, high.v],
         );
-        if let Some(edge) = pole_at(eval.pieces, &found, hunt.size_m)
+        if let Some(edge) = pole_at(eval.pieces, &found, size_m)
             && std::mem::replace(&mut self.judged[edge], true)
         {
             return;
         }
-        let slides = slides_out(eval.pieces, part, &found, low, high, hunt.size_m);
+        let slides = slides_out(eval.pieces, part, &found, low, high, size_m);
         let mut judge = Judge {
             eval,
-            objective: hunt.objective,
-            size_m: hunt.size_m,
+            objective,
+            size_m,
         };
         let Some(found) = (!slides)
             .then(|| judge.minimum(&found, hunt.equal(found.jet.f)))
@@ -360,10 +355,7 @@ impl Minima {
 
 /// What one search is after.
 struct Hunt<'a, O: Objective> {
-    surface: &'a Surface,
-    tables: &'a Tables,
-    objective: &'a O,
-    size_m: f64,
+    problem: &'a Problem<'a, O>,
     ceiling: f64,
     delta_m: f64,
 }
@@ -372,7 +364,7 @@ impl<O: Objective> Hunt<'_, O> {
     /// Values within this of `f` are equal.
     #[inline(always)]
     fn equal(&self, f: f64) -> f64 {
-        f - self.objective.floor(f, self.delta_m)
+        f - self.problem.objective.floor(f, self.delta_m)
     }
 }
 
@@ -423,13 +415,10 @@ fn search_wide<O: Objective>(
     minima: &mut Minima,
     search: &mut Search,
     pieces: &mut BezierPieces,
-    surface: &Surface,
-    tables: &Tables,
-    objective: &O,
-    size_m: f64,
+    problem: &Problem<'_, O>,
     ceiling: f64,
 ) {
-    minima.search_in(search, pieces, surface, tables, objective, size_m, ceiling);
+    minima.search_in(search, pieces, problem, ceiling);
 }
 
 impl ClosestSolver {
@@ -500,16 +489,18 @@ impl ClosestSolver {
             size_m,
             ..
         } = self;
+        let problem = Problem {
+            surface,
+            tables,
+            objective,
+            size_m: *size_m,
+        };
         #[cfg(target_arch = "x86_64")]
         if crate::math::simd::has_avx2() {
             // SAFETY: the processor has AVX2, asked just above.
             #[allow(unsafe_code)]
-            return unsafe {
-                search_wide(
-                    minima, search, pieces, surface, tables, objective, *size_m, ceiling,
-                )
-            };
+            return unsafe { search_wide(minima, search, pieces, &problem, ceiling) };
         }
-        minima.search_in(search, pieces, surface, tables, objective, *size_m, ceiling);
+        minima.search_in(search, pieces, &problem, ceiling);
     }
 }

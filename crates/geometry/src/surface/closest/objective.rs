@@ -8,7 +8,7 @@
 use super::bernstein::{binomial, greatest};
 use crate::math::{Point3, Vector3};
 use crate::surface::bezier::BezierPieces;
-use crate::surface::tensor::Frame;
+use crate::surface::tensor::{Frame, Surface};
 
 /// Value and derivatives of an objective at one parameter pair.
 #[derive(Clone, Copy, Debug)]
@@ -51,6 +51,53 @@ pub(super) trait Objective: Smooth {
     ) -> Noise;
     /// The value that counts as "better than `best` by more than `delta_m`".
     fn floor(&self, best: f64, delta_m: f64) -> f64;
+}
+
+/// What is minimised, over which surface.
+pub(super) struct Problem<'a, O: Objective> {
+    pub surface: &'a Surface,
+    pub tables: &'a Tables,
+    pub objective: &'a O,
+    pub size_m: f64,
+}
+
+/// The coefficients of A on a piece: how many in each direction, and whether W goes with them.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) struct Grid {
+    pub nu: usize,
+    pub nv: usize,
+    pub rational: bool,
+}
+
+impl Grid {
+    /// Squared distances to a bicubic piece without weights.
+    pub const BICUBIC: Self = Self::polynomial(7);
+
+    /// As many in both directions, without W.
+    pub const fn polynomial(n: usize) -> Self {
+        Self {
+            nu: n,
+            nv: n,
+            rational: false,
+        }
+    }
+
+    /// Of an objective on the pieces of a surface.
+    #[inline(always)]
+    pub fn of<O: Objective>(objective: &O, pieces: &BezierPieces) -> Self {
+        let (nu, nv) = objective.orders(pieces.u.degree, pieces.v.degree);
+        Self {
+            nu,
+            nv,
+            rational: pieces.is_rational(),
+        }
+    }
+
+    /// Coefficients in all.
+    #[inline(always)]
+    pub fn len(self) -> usize {
+        self.nu * self.nv
+    }
 }
 
 /// How far rounding may have moved the coefficients of A: one of the two is 0.
@@ -104,8 +151,6 @@ fn are_unlike(points: &[[f64; 4]]) -> bool {
 /// Binomial factors of the products.
 #[derive(Clone, Debug)]
 pub(super) struct Tables {
-    p: usize,
-    q: usize,
     /// C(p, i) C(q, j), ((p + 1)(q + 1)).
     factors: Vec<f64>,
     /// 1 / (C(2p, i) C(2q, j)), ((2p + 1)(2q + 1)).
@@ -120,8 +165,6 @@ impl Tables {
                 .collect()
         };
         Self {
-            p,
-            q,
             factors: grid(p, q),
             inverse: grid(2 * p, 2 * q).into_iter().map(|x| 1.0 / x).collect(),
         }
@@ -188,9 +231,9 @@ impl Objective for Distance {
         w: &mut [f64],
     ) -> Noise {
         let points = pieces.points(piece);
-        match (tables.p, tables.q, pieces.is_rational()) {
-            (3, 3, false) => square(&self.q, points, tables, 3, 3, false, a, w),
-            (p, q, rational) => square(&self.q, points, tables, p, q, rational, a, w),
+        match Grid::of(self, pieces) {
+            Grid::BICUBIC => square(&self.q, points, tables, Grid::BICUBIC, a, w),
+            grid => square(&self.q, points, tables, grid, a, w),
         }
     }
 
@@ -206,21 +249,17 @@ fn square(
     query: &Point3,
     points: &[[f64; 4]],
     tables: &Tables,
-    p: usize,
-    q: usize,
-    rational: bool,
+    grid: Grid,
     a: &mut [f64],
     w: &mut [f64],
 ) -> Noise {
     const MOST: usize = (crate::basis::MAX_DEGREE + 1) * (crate::basis::MAX_DEGREE + 1);
-    let (n, m) = (p + 1, q + 1);
-    let (nu, nv) = (2 * p + 1, 2 * q + 1);
-    if n * m <= 16 {
+    if grid.nu.div_ceil(2) * grid.nv.div_ceil(2) <= 16 {
         let mut d = [[0.0; 16]; 4];
-        return square_with(&mut d, query, points, tables, n, m, nu, nv, rational, a, w);
+        return square_with(&mut d, query, points, tables, grid, a, w);
     }
     let mut d = [[0.0; MOST]; 4];
-    square_with(&mut d, query, points, tables, n, m, nu, nv, rational, a, w)
+    square_with(&mut d, query, points, tables, grid, a, w)
 }
 
 #[inline(always)]
@@ -229,14 +268,13 @@ fn square_with<const K: usize>(
     query: &Point3,
     points: &[[f64; 4]],
     tables: &Tables,
-    n: usize,
-    m: usize,
-    nu: usize,
-    nv: usize,
-    rational: bool,
+    grid: Grid,
     a: &mut [f64],
     w: &mut [f64],
 ) -> Noise {
+    let Grid { nu, nv, rational } = grid;
+    // Orders are 2p + 1 and 2q + 1.
+    let (n, m) = (nu.div_ceil(2), nv.div_ceil(2));
     let (points, factors, inverse) = (
         &points[..n * m],
         &tables.factors[..n * m],

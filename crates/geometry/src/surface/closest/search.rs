@@ -11,7 +11,7 @@ use super::bernstein::{
     halve_v, least,
 };
 use super::newton::{Descent, NewtonPlace, OnPieces, descend_over};
-use super::objective::{Objective, Tables};
+use super::objective::{Grid, Objective, Problem};
 use crate::surface::bezier::BezierPieces;
 use crate::surface::tensor::Surface;
 
@@ -198,56 +198,40 @@ impl Search {
     pub fn certify<O: Objective>(
         &mut self,
         pieces: &mut BezierPieces,
-        surface: &Surface,
-        tables: &Tables,
-        objective: &O,
-        size_m: f64,
+        problem: &Problem<'_, O>,
         best: &mut Descent,
     ) {
         #[cfg(target_arch = "x86_64")]
         if crate::math::simd::has_avx2() {
             // SAFETY: the processor has AVX2, asked just above.
             #[allow(unsafe_code)]
-            return unsafe { certify_wide(self, pieces, surface, tables, objective, size_m, best) };
+            return unsafe { certify_wide(self, pieces, problem, best) };
         }
-        self.certify_in(pieces, surface, tables, objective, size_m, best);
+        self.certify_in(pieces, problem, best);
     }
 
     #[inline(always)]
     fn certify_in<O: Objective>(
         &mut self,
         pieces: &mut BezierPieces,
-        surface: &Surface,
-        tables: &Tables,
-        objective: &O,
-        size_m: f64,
+        problem: &Problem<'_, O>,
         best: &mut Descent,
     ) {
         self.visited = 0;
-        let mut delta_m = TOLERANCE * size_m;
-        self.candidates(
-            pieces,
-            surface,
-            objective,
-            objective.floor(best.jet.f, delta_m),
-        );
-        let orders = objective.orders(pieces.u.degree, pieces.v.degree);
+        let objective = problem.objective;
+        let mut delta_m = TOLERANCE * problem.size_m;
+        let floor = objective.floor(best.jet.f, delta_m);
+        self.candidates(pieces, problem.surface, objective, floor);
+        let grid = Grid::of(objective, pieces);
         let mut k = 0;
         while let Some((bound, piece)) = self.candidate(k) {
             if bound >= objective.floor(best.jet.f, delta_m) {
                 break;
             }
             let delta = &mut delta_m;
-            match (orders, pieces.is_rational()) {
-                ((7, 7), false) => self.clear(
-                    7, 7, false, pieces, surface, tables, objective, size_m, delta, piece, best,
-                ),
-                ((nu, nv), rational) => {
-                    self.clear(
-                        nu, nv, rational, pieces, surface, tables, objective, size_m, delta, piece,
-                        best,
-                    );
-                }
+            match grid {
+                Grid::BICUBIC => self.clear(Grid::BICUBIC, pieces, problem, delta, piece, best),
+                grid => self.clear(grid, pieces, problem, delta, piece, best),
             }
             k += 1;
         }
@@ -256,20 +240,16 @@ impl Search {
     #[inline(always)]
     fn clear<O: Objective>(
         &mut self,
-        nu: usize,
-        nv: usize,
-        rational: bool,
+        grid: Grid,
         pieces: &mut BezierPieces,
-        surface: &Surface,
-        tables: &Tables,
-        objective: &O,
-        size_m: f64,
+        problem: &Problem<'_, O>,
         delta_m: &mut f64,
         piece: usize,
         best: &mut Descent,
     ) {
-        let (len, stride) = (nu * nv, self.stride);
-        let noise = objective.form(pieces, piece, tables, &mut self.a, &mut self.w);
+        let (objective, surface) = (problem.objective, problem.surface);
+        let (len, stride, rational) = (grid.len(), self.stride, grid.rational);
+        let noise = objective.form(pieces, piece, problem.tables, &mut self.a, &mut self.w);
         self.parts.clear();
         self.parts.push(SearchPart::whole(pieces, piece));
         let most_parts = if rational {
@@ -287,7 +267,7 @@ impl Search {
             parts += 1;
             self.visited += 1;
             if self.visited.is_multiple_of(PATIENCE) {
-                *delta_m = (*delta_m * 10.0).min(WIDEST * size_m);
+                *delta_m = (*delta_m * 10.0).min(WIDEST * problem.size_m);
             }
             let slot = (self.parts.len() - 1) * stride;
             let value = objective.floor(best.jet.f, *delta_m);
@@ -301,7 +281,7 @@ impl Search {
                 let noise = noise.absolute;
                 (&self.a[slot..slot + len], value - noise, noise)
             };
-            let finding = look(g, nu, nv, floor, noise, || part.nearest(pieces, best.place));
+            let finding = look(g, grid, floor, noise, || part.nearest(pieces, best.place));
             let mut halve_in_u = match finding {
                 Finding::Clear => {
                     self.parts.pop();
@@ -333,15 +313,16 @@ impl Search {
             } else if !halve_in_u && !wide_v {
                 halve_in_u = true;
             }
-            self.halve(nu, nv, rational, halve_in_u);
+            self.halve(grid, halve_in_u);
         }
     }
 
     /// Replaces the last part by its halves.
     #[inline(always)]
-    pub fn halve(&mut self, nu: usize, nv: usize, rational: bool, in_u: bool) {
+    pub fn halve(&mut self, grid: Grid, in_u: bool) {
+        let Grid { nu, nv, rational } = grid;
         let Some(part) = self.parts.pop() else { return };
-        let (len, slot) = (nu * nv, self.parts.len() * self.stride);
+        let (len, slot) = (grid.len(), self.parts.len() * self.stride);
         let (low, high) = part.halves(in_u);
         self.parts.push(high);
         self.parts.push(low);
@@ -373,25 +354,22 @@ impl Search {
 fn certify_wide<O: Objective>(
     search: &mut Search,
     pieces: &mut BezierPieces,
-    surface: &Surface,
-    tables: &Tables,
-    objective: &O,
-    size_m: f64,
+    problem: &Problem<'_, O>,
     best: &mut Descent,
 ) {
-    search.certify_in(pieces, surface, tables, objective, size_m, best);
+    search.certify_in(pieces, problem, best);
 }
 
 /// Tries every proof on one part.
 #[inline(always)]
 fn look(
     g: &[f64],
-    nu: usize,
-    nv: usize,
+    grid: Grid,
     floor: f64,
     noise: f64,
     start: impl FnOnce() -> (f64, f64),
 ) -> Finding {
+    let Grid { nu, nv, .. } = grid;
     if least(g) >= floor {
         return Finding::Clear;
     }

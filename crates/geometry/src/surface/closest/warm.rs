@@ -15,10 +15,9 @@
 use super::basin::Clip;
 use super::bernstein::{curvature, least, restrict_u, restrict_v};
 use super::newton::{Descent, NewtonPlace};
-use super::objective::{Distance, Objective, Tables};
+use super::objective::{Distance, Grid, Objective, Problem};
 use super::search::{Search, SearchPart};
 use crate::surface::bezier::{BezierPieces, Joint, PieceDirection};
-use crate::surface::tensor::Surface;
 
 /// Share of the gap between distance and nearest outside value that is claimed; less is proved
 /// sooner.
@@ -69,21 +68,16 @@ pub(super) struct Slack {
 pub(super) fn certificate(
     search: &mut Search,
     pieces: &mut BezierPieces,
-    surface: &Surface,
-    tables: &Tables,
-    objective: &Distance,
-    size_m: f64,
+    problem: &Problem<'_, Distance>,
     best: &Descent,
 ) -> Grant {
     #[cfg(target_arch = "x86_64")]
     if crate::math::simd::has_avx2() {
         // SAFETY: the processor has AVX2, asked just above.
         #[allow(unsafe_code)]
-        return unsafe {
-            certificate_wide(search, pieces, surface, tables, objective, size_m, best)
-        };
+        return unsafe { certificate_wide(search, pieces, problem, best) };
     }
-    certificate_in(search, pieces, surface, tables, objective, size_m, best)
+    certificate_in(search, pieces, problem, best)
 }
 
 /// AVX2 build of the baseline function: sums in the same order, hence identical bits.
@@ -92,77 +86,51 @@ pub(super) fn certificate(
 fn certificate_wide(
     search: &mut Search,
     pieces: &mut BezierPieces,
-    surface: &Surface,
-    tables: &Tables,
-    objective: &Distance,
-    size_m: f64,
+    problem: &Problem<'_, Distance>,
     best: &Descent,
 ) -> Grant {
-    certificate_in(search, pieces, surface, tables, objective, size_m, best)
+    certificate_in(search, pieces, problem, best)
 }
 
 #[inline(always)]
 fn certificate_in(
     search: &mut Search,
     pieces: &mut BezierPieces,
-    surface: &Surface,
-    tables: &Tables,
-    objective: &Distance,
-    size_m: f64,
+    problem: &Problem<'_, Distance>,
     best: &Descent,
 ) -> Grant {
-    let (nu, nv) = objective.orders(pieces.u.degree, pieces.v.degree);
-    match (nu, nv, pieces.is_rational()) {
-        (7, 7, false) => certify(
-            7, 7, false, search, pieces, surface, tables, objective, size_m, best,
-        ),
-        (nu, nv, rational) => certify(
-            nu, nv, rational, search, pieces, surface, tables, objective, size_m, best,
-        ),
+    match Grid::of(problem.objective, pieces) {
+        Grid::BICUBIC => certify(Grid::BICUBIC, search, pieces, problem, best),
+        grid => certify(grid, search, pieces, problem, best),
     }
 }
 
 #[inline(always)]
 fn certify(
-    nu: usize,
-    nv: usize,
-    rational: bool,
+    grid: Grid,
     search: &mut Search,
     pieces: &mut BezierPieces,
-    surface: &Surface,
-    tables: &Tables,
-    objective: &Distance,
-    size_m: f64,
+    problem: &Problem<'_, Distance>,
     best: &Descent,
 ) -> Grant {
     let nothing = Grant {
         budget_m: 0.0,
         net_cost: 1.0,
     };
+    let (size_m, rational) = (problem.size_m, grid.rational);
     let distance = best.jet.f.max(0.0).sqrt();
     let mut share = 0.5;
     for _ in 0..5 {
         let around = surround(pieces, &best.place, share);
-        if let Some((slacks, count)) = slacks(
-            nu, nv, rational, search, pieces, surface, tables, objective, best.jet.f, around,
-        ) {
+        if let Some((slacks, count)) = slacks(grid, search, pieces, problem, best.jet.f, around) {
             let slacks = &slacks[..count];
             let limit = query_limit(slacks, rational, pieces, distance).min(10.0 * size_m);
-            let gap = gap_outside(
-                nu,
-                nv,
-                rational,
-                search,
-                pieces,
-                surface,
-                tables,
-                objective,
+            let outside = Outside {
+                around: Some(around),
+                clips: None,
                 distance,
-                Some(around),
-                None,
-                2.0 * limit,
-                size_m,
-            );
+            };
+            let gap = gap_outside(grid, search, pieces, problem, &outside, 2.0 * limit);
             let budget_m = 0.999 * limit.min(0.5 * gap);
             if budget_m <= 1e-9 * size_m {
                 return nothing;
@@ -245,14 +213,10 @@ pub(super) fn query_limit(
 /// not proved. At most nine pieces meet a box.
 #[inline(always)]
 pub(super) fn slacks(
-    nu: usize,
-    nv: usize,
-    rational: bool,
+    grid: Grid,
     search: &mut Search,
     pieces: &mut BezierPieces,
-    surface: &Surface,
-    tables: &Tables,
-    objective: &Distance,
+    problem: &Problem<'_, Distance>,
     level: f64,
     around: Around,
 ) -> Option<([Slack; 9], usize)> {
@@ -265,7 +229,8 @@ pub(super) fn slacks(
         weight_bends: [0.0; 3],
     };
     let (mut out, mut count) = ([zero; 9], 0);
-    let len = nu * nv;
+    let Grid { nu, nv, rational } = grid;
+    let (len, objective) = (grid.len(), problem.objective);
     for i in 0..pieces.u.spans.len() {
         let Some(s) = covered(&pieces.u, i, around.u) else {
             continue;
@@ -275,8 +240,8 @@ pub(super) fn slacks(
                 continue;
             };
             let piece = i * pieces.v.spans.len() + j;
-            pieces.refresh_piece(surface, i, j);
-            let noise = objective.form(pieces, piece, tables, &mut search.a, &mut search.w);
+            pieces.refresh_piece(problem.surface, i, j);
+            let noise = objective.form(pieces, piece, problem.tables, &mut search.a, &mut search.w);
             let mut slack = Slack {
                 widths: [s[1] - s[0], t[1] - t[0]],
                 ..zero
@@ -421,41 +386,45 @@ fn net_limit(slack: &Slack, pieces: &BezierPieces, distance: f64, query_m: f64) 
     })
 }
 
-/// Lower bound on (distance outside the box) − distance, at most `most`; of what is within the clips
-/// of the pieces, if there are any.
+/// What of a surface is compared with a distance.
+pub(super) struct Outside<'a> {
+    /// All but a box of parameters.
+    pub around: Option<Around>,
+    /// What is within the clips of the pieces, if there are any.
+    pub clips: Option<&'a [Clip]>,
+    /// m.
+    pub distance: f64,
+}
+
+/// Lower bound on (distance outside the box) − distance, at most `most`.
 #[inline(always)]
 pub(super) fn gap_outside(
-    nu: usize,
-    nv: usize,
-    rational: bool,
+    grid: Grid,
     search: &mut Search,
     pieces: &mut BezierPieces,
-    surface: &Surface,
-    tables: &Tables,
-    objective: &Distance,
-    distance: f64,
-    around: Option<Around>,
-    clips: Option<&[Clip]>,
+    problem: &Problem<'_, Distance>,
+    outside: &Outside<'_>,
     most: f64,
-    size_m: f64,
 ) -> f64 {
-    let (len, stride) = (nu * nv, search.stride());
+    let Grid { nu, nv, rational } = grid;
+    let (len, stride) = (grid.len(), search.stride());
+    let (objective, distance) = (problem.objective, outside.distance);
     // `upper`: least value seen outside, as a gap.
     let mut upper = most / CLAIM;
     let mut visited = 0;
     let squared = |gap: f64| (distance + gap) * (distance + gap);
-    search.candidates(pieces, surface, objective, squared(CLAIM * upper));
+    search.candidates(pieces, problem.surface, objective, squared(CLAIM * upper));
     let mut k = 0;
     while let Some((bound, piece)) = search.candidate(k) {
         k += 1;
         if bound >= squared(CLAIM * upper) {
             break;
         }
-        let clip = clips.map_or(WHOLE, |clips| clips[piece]);
+        let clip = outside.clips.map_or(WHOLE, |clips| clips[piece]);
         if clip.s[1] <= clip.s[0] || clip.t[1] <= clip.t[0] {
             continue;
         }
-        let noise = objective.form(pieces, piece, tables, &mut search.a, &mut search.w);
+        let noise = objective.form(pieces, piece, problem.tables, &mut search.a, &mut search.w);
         let whole = SearchPart::whole(pieces, piece);
         search.parts.clear();
         let box_in = |around: Around| {
@@ -466,7 +435,7 @@ pub(super) fn gap_outside(
             (s[1] > s[0] && t[1] > t[0]).then_some((s, t))
         };
         // The piece without the box: strips on both sides in u, and what is left on both sides in v.
-        let strips = match around.and_then(box_in) {
+        let strips = match outside.around.and_then(box_in) {
             Some((s, t)) => [
                 ([clip.s[0], s[0]], clip.t),
                 ([s[1], clip.s[1]], clip.t),
@@ -517,7 +486,7 @@ pub(super) fn gap_outside(
                 }
                 upper = upper.min(value.max(0.0).sqrt() - distance);
             }
-            if upper <= 4e-9 * size_m {
+            if upper <= 4e-9 * problem.size_m {
                 return 0.0;
             }
             let floor = squared(CLAIM * upper);
@@ -540,7 +509,7 @@ pub(super) fn gap_outside(
                 return 0.0;
             }
             let in_u = if in_u { wide_u } else { !wide_v };
-            search.halve(nu, nv, rational, in_u);
+            search.halve(grid, in_u);
         }
     }
     CLAIM * upper

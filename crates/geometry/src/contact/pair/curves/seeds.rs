@@ -46,6 +46,16 @@ struct Line {
     value: f64,
 }
 
+/// One of the lines around a cell: parameter `d` at its low or high end.
+#[derive(Clone, Copy)]
+struct CellSide {
+    cell: usize,
+    /// Row and column of the cell.
+    place: [usize; 2],
+    d: usize,
+    high: bool,
+}
+
 /// Points of all touched cells of one surface.
 struct SeedPoints {
     /// First point of each cell.
@@ -147,43 +157,38 @@ fn pierced(
                         d,
                         value: cells.lines[d][place[d] + usize::from(high)],
                     };
-                    let start = whole(
-                        cells,
-                        points[side].of(own),
+                    let of = CellSide {
+                        cell: own,
                         place,
                         d,
                         high,
-                        joined.cells[1 - side],
-                        other,
-                        &points[1 - side],
-                    );
+                    };
+                    let start = whole(joined, points, side, of, other);
                     let done = halve(joined, line, start, FIRST_PARTS, &mut left, found);
                     if !done {
-                        again.push((line, own, place, high, other));
+                        again.push((line, of, other));
                     }
                 }
             }
         }
     }
-    for (line, own, place, high, other) in again {
-        let (cells, others) = (joined.cells[line.side], joined.cells[1 - line.side]);
-        let (mine, theirs) = (points[line.side].of(own), &points[1 - line.side]);
-        let start = whole(cells, mine, place, line.d, high, others, other, theirs);
+    for (line, of, other) in again {
+        let start = whole(joined, points, line.side, of, other);
         halve(joined, line, start, MOST_PARTS, &mut left, found);
     }
 }
 
-/// One side of a cell against a cell of the other surface.
+/// One side of a cell of surface `side` against a cell of the other surface.
 fn whole(
-    cells: &Cells,
-    points: &[[f64; 4]],
-    place: [usize; 2],
-    d: usize,
-    high: bool,
-    others: &Cells,
+    joined: &JoinedCurve<'_>,
+    points: &[SeedPoints; 2],
+    side: usize,
+    of: CellSide,
     other: usize,
-    sheet: &SeedPoints,
 ) -> CurvePart {
+    let (cells, others) = (joined.cells[side], joined.cells[1 - side]);
+    let (points, sheet) = (points[side].of(of.cell), &points[1 - side]);
+    let CellSide { place, d, high, .. } = of;
     let [p, q] = cells.degrees();
     let curve = if d == 0 {
         let row = if high { p * (q + 1) } else { 0 };
