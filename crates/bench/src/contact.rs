@@ -16,8 +16,12 @@ mod surfaces;
 mod svg;
 
 use self::inputs::{body, tool};
-use super::measure::{Times, time};
+use self::methods::{Mesh, PARRY};
+use super::measure::{Times, clocked, time};
 use super::{Cases, Effort, Row};
+use palpate_geometry::contact::ContactSet;
+use palpate_geometry::contact::spheres::Spheres;
+use palpate_geometry::surface::Surface;
 use std::time::Duration;
 
 pub use self::svg::picture;
@@ -125,6 +129,28 @@ struct Outcome {
     error: f64,
 }
 
+/// Queries of a case, and the depth at some of them, m: below zero it stands for none.
+struct Known {
+    count: usize,
+    depths: Vec<(usize, f64)>,
+}
+
+impl Known {
+    /// Of about so many of the queries.
+    fn of(count: usize, parts: usize, mut depth: impl FnMut(usize) -> f64) -> Self {
+        let some = (0..count).step_by((count / parts).max(1));
+        Self {
+            count,
+            depths: some.map(|k| (k, depth(k))).collect(),
+        }
+    }
+
+    /// The same at all queries.
+    fn all(count: usize, depth_m: f64) -> Self {
+        Self::of(count, count.max(1), |_| depth_m)
+    }
+}
+
 struct Suite<'a> {
     effort: Effort,
     out: &'a mut dyn FnMut(Row),
@@ -156,16 +182,60 @@ impl Suite<'_> {
         });
     }
 
-    /// Times `ask` over the poses, and compares the depths it gives with those that are known:
-    /// (pose, depth), a depth below zero standing for none.
+    /// A row of a method of ours; the answer is the deepest contact.
+    fn deepest(
+        &mut self,
+        case: &str,
+        method: &str,
+        known: &Known,
+        mut ask: impl FnMut(usize, &mut ContactSet),
+    ) {
+        let mut set = ContactSet::new();
+        let result = self.measure(known, |k| {
+            let (time, ()) = clocked(|| ask(k, &mut set));
+            (time, set.deepest().map(|c| c.depth_m))
+        });
+        self.report(case, method, false, &result);
+    }
+
+    /// Rows of points at some resolutions.
+    fn spheres(
+        &mut self,
+        case: &str,
+        surface: &Surface,
+        resolutions: &[[usize; 2]],
+        known: &Known,
+        mut ask: impl FnMut(&mut Spheres, usize, &mut ContactSet),
+    ) {
+        for &rows in resolutions {
+            let mut spheres = Spheres::new(surface, rows);
+            self.deepest(case, &label(rows), known, |k, set| {
+                ask(&mut spheres, k, set)
+            });
+        }
+    }
+
+    /// A row of the mesh.
+    fn parry(
+        &mut self,
+        case: &str,
+        surface: &Surface,
+        known: &Known,
+        mut ask: impl FnMut(&mut Mesh, usize) -> Option<f64>,
+    ) {
+        let mut mesh = Mesh::new(surface);
+        let result = self.measure(known, |k| clocked(|| ask(&mut mesh, k)));
+        self.report(case, PARRY, true, &result);
+    }
+
+    /// Times `ask` over the queries, and compares the depths it gives with those that are known.
     fn measure(
         &self,
-        poses: usize,
-        known: &[(usize, f64)],
+        known: &Known,
         mut ask: impl FnMut(usize) -> (Duration, Option<f64>),
     ) -> Outcome {
-        let mut depths = Vec::with_capacity(poses);
-        let times = time(poses, self.patience(), |k| {
+        let mut depths = Vec::with_capacity(known.count);
+        let times = time(known.count, self.patience(), |k| {
             let (time, depth) = ask(k);
             depths.push(depth);
             time
@@ -177,7 +247,7 @@ impl Suite<'_> {
         };
         Outcome {
             times,
-            error: known.iter().map(miss).fold(0.0, f64::max),
+            error: known.depths.iter().map(miss).fold(0.0, f64::max),
         }
     }
 }

@@ -111,7 +111,29 @@ impl Verdict {
     }
 }
 
+/// Closest points that were asked for, and distances that are known.
+struct Asked<'a> {
+    case: &'a str,
+    queries: &'a [Point3],
+    /// Query and distance, m.
+    exact: &'a [(usize, f64)],
+    size_m: f64,
+}
+
 impl Suite<'_> {
+    fn judge(
+        &mut self,
+        method: &str,
+        peer: bool,
+        times: Times,
+        answers: &[Option<Point3>],
+        asked: &Asked<'_>,
+    ) {
+        let verdict = Verdict::of(answers, asked.queries, asked.exact, asked.size_m);
+        let (error, wrong) = ((verdict.error, "m"), Some(verdict.wrong));
+        self.report(asked.case, method, peer, times, error, wrong);
+    }
+
     fn queries(&self) -> usize {
         if self.effort == Effort::Quick {
             500
@@ -163,15 +185,13 @@ impl Suite<'_> {
             time
         });
         sharpen(&mut exact, &answers, &queries);
-        let verdict = Verdict::of(&answers, &queries, &exact, surface.size());
-        self.report(
+        let asked = Asked {
             case,
-            "palpate",
-            false,
-            times,
-            (verdict.error, "m"),
-            Some(verdict.wrong),
-        );
+            queries: &queries,
+            exact: &exact,
+            size_m: surface.size(),
+        };
+        self.judge("palpate", false, times, &answers, &asked);
         for mut peer in peers::all(surface) {
             let mut answers = Vec::with_capacity(queries.len());
             let patience = self.patience();
@@ -182,15 +202,7 @@ impl Suite<'_> {
                     time
                 })
             });
-            let verdict = Verdict::of(&answers, &queries, &exact, surface.size());
-            self.report(
-                case,
-                peer.name(),
-                true,
-                times,
-                (verdict.error, "m"),
-                Some(verdict.wrong),
-            );
+            self.judge(peer.name(), true, times, &answers, &asked);
         }
     }
 
@@ -239,15 +251,13 @@ impl Suite<'_> {
             time
         });
         sharpen(&mut exact, &answers, &queries);
-        let verdict = Verdict::of(&answers, &queries, &exact, size_m);
-        self.report(
+        let asked = Asked {
             case,
-            "palpate",
-            false,
-            times,
-            (verdict.error, "m"),
-            Some(verdict.wrong),
-        );
+            queries: &queries,
+            exact: &exact,
+            size_m,
+        };
+        self.judge("palpate", false, times, &answers, &asked);
         for mut peer in peers::all(&surface) {
             let mut answers = Vec::with_capacity(queries.len());
             let patience = self.patience();
@@ -266,15 +276,7 @@ impl Suite<'_> {
                     time
                 })
             });
-            let verdict = Verdict::of(&answers, &queries, &exact, size_m);
-            self.report(
-                case,
-                peer.name(),
-                true,
-                times,
-                (verdict.error, "m"),
-                Some(verdict.wrong),
-            );
+            self.judge(peer.name(), true, times, &answers, &asked);
         }
     }
 
@@ -406,15 +408,13 @@ impl Suite<'_> {
             time
         });
         sharpen(&mut exact, &answers, &queries);
-        let verdict = Verdict::of(&answers, &queries, &exact, surface.size());
-        self.report(
+        let asked = Asked {
             case,
-            "palpate, with a cold query",
-            false,
-            times,
-            (verdict.error, "m"),
-            Some(verdict.wrong),
-        );
+            queries: &queries,
+            exact: &exact,
+            size_m: surface.size(),
+        };
+        self.judge("palpate, with a cold query", false, times, &answers, &asked);
         // Of the peers only the mesh has anything to refresh.
         let Some(mut peer) = peers::all(&surface).into_iter().next() else {
             return;

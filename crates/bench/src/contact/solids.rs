@@ -1,15 +1,15 @@
 //! Cases of one surface and a tool of another kind.
 
 use super::inputs::{near, planes, poses, solid_torus, tool};
-use super::methods::{Mesh, PARRY, ball_mesh};
-use super::{RESOLUTIONS, Suite, label, oracle};
+use super::methods::{Mesh, ball_mesh};
+use super::{Known, RESOLUTIONS, Suite, oracle};
 use crate::inputs::{Random, walk};
 use crate::measure::clocked;
 use crate::oracle::Oracle;
 use palpate_geometry::contact::exact::{self, ExactScratch};
 use palpate_geometry::contact::implicit::ImplicitSolver;
 use palpate_geometry::contact::mesh::MeshSolver;
-use palpate_geometry::contact::spheres::{Solid, Spheres};
+use palpate_geometry::contact::spheres::Solid;
 use palpate_geometry::contact::{ContactSet, Reach};
 use palpate_geometry::math::{Point3, Vector3};
 use palpate_geometry::skin::{Skin, SkinSide, SkinSolver};
@@ -34,19 +34,13 @@ impl Suite<'_> {
         let mut solver = ClosestSolver::new(surface);
         // The oracle knows no sides: which one is taken from the certified answer, the distance is
         // its own.
-        let known: Vec<(usize, f64)> = (0..n)
-            .step_by((n / 200).max(1))
-            .map(|k| {
-                let side = solver
-                    .closest(surface, &centres[k])
-                    .signed_distance
-                    .signum();
-                (k, radius_m - side * oracle.distance(surface, &centres[k]))
-            })
-            .collect();
+        let known = Known::of(n, 200, |k| {
+            let foot = solver.closest(surface, &centres[k]);
+            radius_m - foot.signed_distance.signum() * oracle.distance(surface, &centres[k])
+        });
         let (mut foot, mut last) = (WarmFoot::default(), centres[0]);
         let (mut scratch, mut set) = (ExactScratch::new(surface, &mut solver), ContactSet::new());
-        let result = self.measure(n, &known, |k| {
+        let result = self.measure(&known, |k| {
             let centre = &centres[k];
             if warm {
                 // What the tick does: the foot is followed while its certificate lasts.
@@ -72,30 +66,18 @@ impl Suite<'_> {
             (time, set.deepest().map(|c| c.depth_m))
         });
         self.report(case, "exact", false, &result);
-        for &rows in resolutions {
-            let mut spheres = Spheres::new(surface, rows);
-            let mut set = ContactSet::new();
-            let result = self.measure(n, &known, |k| {
-                let (time, ()) = clocked(|| {
-                    if !warm {
-                        spheres.load(surface);
-                    }
-                    spheres.ball(&centres[k], radius_m, &Reach::TOUCH, &mut set);
-                });
-                (time, set.deepest().map(|c| c.depth_m))
-            });
-            self.report(case, &label(rows), false, &result);
-        }
-        let mut mesh = Mesh::new(surface);
-        let result = self.measure(n, &known, |k| {
-            clocked(|| {
-                if !warm {
-                    mesh.load(surface);
-                }
-                mesh.ball(&centres[k], radius_m)
-            })
+        self.spheres(case, surface, resolutions, &known, |spheres, k, set| {
+            if !warm {
+                spheres.load(surface);
+            }
+            spheres.ball(&centres[k], radius_m, &Reach::TOUCH, set);
         });
-        self.report(case, PARRY, true, &result);
+        self.parry(case, surface, &known, |mesh, k| {
+            if !warm {
+                mesh.load(surface);
+            }
+            mesh.ball(&centres[k], radius_m)
+        });
     }
 
     pub(super) fn plane(&mut self, case: &str, surface: &Surface, resolutions: &[[usize; 2]]) {
@@ -103,55 +85,33 @@ impl Suite<'_> {
         let mut solver = ClosestSolver::new(surface);
         let planes: Vec<(Point3, Vector3)> = planes(surface, &mut solver, n);
         let mut oracle = oracle::Sampled::new(surface);
-        let known: Vec<(usize, f64)> = (0..n)
-            .step_by((n / 40).max(1))
-            .map(|k| {
-                (
-                    k,
-                    oracle.greatest(surface, |p| (planes[k].0 - p).dot(&planes[k].1)),
-                )
-            })
-            .collect();
-        let (mut scratch, mut set) = (ExactScratch::new(surface, &mut solver), ContactSet::new());
-        let result = self.measure(n, &known, |k| {
+        let known = Known::of(n, 40, |k| {
+            oracle.greatest(surface, |p| (planes[k].0 - p).dot(&planes[k].1))
+        });
+        let mut scratch = ExactScratch::new(surface, &mut solver);
+        self.deepest(case, "exact", &known, |k, set| {
             let (origin, normal) = &planes[k];
-            let (time, ()) = clocked(|| {
-                solver.net_changed();
-                exact::plane::contacts(
-                    surface,
-                    &mut solver,
-                    origin,
-                    normal,
-                    &Reach::TOUCH,
-                    &mut scratch,
-                    &mut set,
-                );
-            });
-            (time, set.deepest().map(|c| c.depth_m))
+            solver.net_changed();
+            exact::plane::contacts(
+                surface,
+                &mut solver,
+                origin,
+                normal,
+                &Reach::TOUCH,
+                &mut scratch,
+                set,
+            );
         });
-        self.report(case, "exact", false, &result);
-        for &rows in resolutions {
-            let mut spheres = Spheres::new(surface, rows);
-            let mut set = ContactSet::new();
-            let result = self.measure(n, &known, |k| {
-                let (origin, normal) = planes[k];
-                let (time, ()) = clocked(|| {
-                    spheres.load(surface);
-                    spheres.plane(&origin, &normal, &Reach::TOUCH, &mut set);
-                });
-                (time, set.deepest().map(|c| c.depth_m))
-            });
-            self.report(case, &label(rows), false, &result);
-        }
-        let mut mesh = Mesh::new(surface);
-        let result = self.measure(n, &known, |k| {
+        self.spheres(case, surface, resolutions, &known, |spheres, k, set| {
             let (origin, normal) = planes[k];
-            clocked(|| {
-                mesh.load(surface);
-                mesh.plane(&origin, &normal)
-            })
+            spheres.load(surface);
+            spheres.plane(&origin, &normal, &Reach::TOUCH, set);
         });
-        self.report(case, PARRY, true, &result);
+        self.parry(case, surface, &known, |mesh, k| {
+            let (origin, normal) = planes[k];
+            mesh.load(surface);
+            mesh.plane(&origin, &normal)
+        });
     }
 
     pub(super) fn implicit(&mut self, case: &str, surface: &Surface) {
@@ -159,43 +119,30 @@ impl Suite<'_> {
         let mut random = Random(4);
         let tools: Vec<_> = (0..n).map(|_| solid_torus(surface, &mut random)).collect();
         let mut oracle = oracle::Sampled::new(surface);
-        let known: Vec<(usize, f64)> = (0..n)
-            .step_by((n / 40).max(1))
-            .map(|k| (k, oracle.greatest(surface, |p| -tools[k].signed_gap(p).0)))
-            .collect();
+        let known = Known::of(n, 40, |k| {
+            oracle.greatest(surface, |p| -tools[k].signed_gap(p).0)
+        });
         let skin = Skin::from(surface.clone());
         let mut solver = SkinSolver::new(&skin);
-        let (mut exact, mut set) = (ImplicitSolver::new(&skin), ContactSet::new());
-        let result = self.measure(n, &known, |k| {
-            let (time, ()) = clocked(|| {
-                solver.net_changed();
-                exact.contacts(
-                    SkinSide {
-                        skin: &skin,
-                        solver: &mut solver,
-                    },
-                    &tools[k].tool,
-                    &tools[k].pose,
-                    &Reach::TOUCH,
-                    &[],
-                    &mut set,
-                );
-            });
-            (time, set.deepest().map(|c| c.depth_m))
+        let mut exact = ImplicitSolver::new(&skin);
+        self.deepest(case, "exact", &known, |k, set| {
+            solver.net_changed();
+            exact.contacts(
+                SkinSide {
+                    skin: &skin,
+                    solver: &mut solver,
+                },
+                &tools[k].tool,
+                &tools[k].pose,
+                &Reach::TOUCH,
+                &[],
+                set,
+            );
         });
-        self.report(case, "exact", false, &result);
-        for rows in RESOLUTIONS {
-            let mut spheres = Spheres::new(surface, rows);
-            let mut set = ContactSet::new();
-            let result = self.measure(n, &known, |k| {
-                let (time, ()) = clocked(|| {
-                    spheres.load(surface);
-                    spheres.solid(&tools[k], &Reach::TOUCH, &mut set);
-                });
-                (time, set.deepest().map(|c| c.depth_m))
-            });
-            self.report(case, &label(rows), false, &result);
-        }
+        self.spheres(case, surface, &RESOLUTIONS, &known, |spheres, k, set| {
+            spheres.load(surface);
+            spheres.solid(&tools[k], &Reach::TOUCH, set);
+        });
     }
 
     /// The tool is a triangle mesh; for the spheres, a solid by its signed distance.
@@ -204,19 +151,13 @@ impl Suite<'_> {
         let (tool_surface, tool_mesh) = (tool(8), ball_mesh());
         let poses = poses(surface, n, 3e-3);
         let mut oracle = oracle::Sampled::coarse(surface);
-        let known: Vec<(usize, f64)> = (0..n)
-            .step_by((n / 4).max(1))
-            .map(|k| {
-                (
-                    k,
-                    oracle.greatest(surface, |p| -tool_mesh.at(&poses[k]).signed_gap(p).0),
-                )
-            })
-            .collect();
+        let known = Known::of(n, 4, |k| {
+            oracle.greatest(surface, |p| -tool_mesh.at(&poses[k]).signed_gap(p).0)
+        });
         let skin = Skin::from(surface.clone());
         let mut solver = SkinSolver::new(&skin);
         let (mut exact, mut set) = (MeshSolver::new(&skin, &tool_mesh.tool), ContactSet::new());
-        let result = self.measure(n, &known, |k| {
+        let result = self.measure(&known, |k| {
             let (time, ()) = clocked(|| {
                 solver.net_changed();
                 exact.contacts(
@@ -233,8 +174,8 @@ impl Suite<'_> {
             });
             // Corners of the mesh inside the body are contacts too, and may be deeper than any
             // point of the surface, which is what the oracle knows.
-            let wanted = known
-                .iter()
+            let mut depths = known.depths.iter();
+            let wanted = depths
                 .find(|known| known.0 == k)
                 .map_or(0.0, |known| known.1);
             let miss = |depth: &f64| (depth - wanted).abs();
@@ -242,25 +183,20 @@ impl Suite<'_> {
             (time, depths.min_by(|a, b| miss(a).total_cmp(&miss(b))))
         });
         self.report(case, "exact", false, &result);
-        for rows in &RESOLUTIONS[..3] {
-            let mut spheres = Spheres::new(surface, *rows);
-            let mut set = ContactSet::new();
-            let result = self.measure(n, &known, |k| {
-                let (time, ()) = clocked(|| {
-                    spheres.load(surface);
-                    spheres.solid(&tool_mesh.at(&poses[k]), &Reach::TOUCH, &mut set);
-                });
-                (time, set.deepest().map(|c| c.depth_m))
-            });
-            self.report(case, &label(*rows), false, &result);
-        }
-        let (mut mesh, other) = (Mesh::new(surface), Mesh::new(&tool_surface));
-        let result = self.measure(n, &known, |k| {
-            clocked(|| {
-                mesh.load(surface);
-                mesh.other(&other, &poses[k])
-            })
+        self.spheres(
+            case,
+            surface,
+            &RESOLUTIONS[..3],
+            &known,
+            |spheres, k, set| {
+                spheres.load(surface);
+                spheres.solid(&tool_mesh.at(&poses[k]), &Reach::TOUCH, set);
+            },
+        );
+        let other = Mesh::new(&tool_surface);
+        self.parry(case, surface, &known, |mesh, k| {
+            mesh.load(surface);
+            mesh.other(&other, &poses[k])
         });
-        self.report(case, PARRY, true, &result);
     }
 }

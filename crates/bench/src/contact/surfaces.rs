@@ -1,8 +1,8 @@
 //! Cases of two surfaces, of a surface with itself, and of flat patches.
 
 use super::inputs::{TOOL_RADIUS_M, ball_over, covering, flat, plane_over, poses, sausage};
-use super::methods::{Mesh, PARRY};
-use super::{RESOLUTIONS, Suite, label};
+use super::methods::Mesh;
+use super::{Known, RESOLUTIONS, Suite, label};
 use crate::measure::clocked;
 use crate::oracle::Oracle;
 use palpate_geometry::contact::own::SelfSolver;
@@ -12,46 +12,67 @@ use palpate_geometry::contact::{ContactSet, Reach};
 use palpate_geometry::math::{Point3, Pose};
 use palpate_geometry::surface::{ClosestSolver, Surface};
 
+/// Two surfaces, the second at some poses.
+struct Pair<'a> {
+    body: &'a Surface,
+    tool: &'a Surface,
+    poses: &'a [Pose],
+}
+
 impl Suite<'_> {
-    /// The certified pair on nets that have both moved.
-    fn exact_pair(
+    /// Points on both; `none`: the depth where they find nothing.
+    fn pair_of_spheres(
         &mut self,
         case: &str,
-        body: &Surface,
-        tool: &Surface,
-        poses: &[Pose],
-        known: &[(usize, f64)],
+        Pair { body, tool, poses }: &Pair<'_>,
+        resolutions: &[[usize; 2]],
+        known: &Known,
+        none: Option<f64>,
     ) {
-        let mut placed = tool.clone();
-        let (mut of_body, mut of_tool) = (ClosestSolver::new(body), ClosestSolver::new(tool));
-        let (mut pair, mut set) = (PairSolver::new(body, tool), ContactSet::new());
-        let result = self.measure(poses.len(), known, |k| {
-            let (time, ()) = clocked(|| {
-                for (to, from) in placed
-                    .net_mut()
-                    .points_mut()
-                    .iter_mut()
-                    .zip(tool.net().points())
-                {
-                    *to = poses[k] * from;
-                }
-                of_body.net_changed();
-                of_tool.net_changed();
-                let (body, tool) = (
-                    PairSide {
-                        surface: body,
-                        solver: &mut of_body,
-                    },
-                    PairSide {
-                        surface: &placed,
-                        solver: &mut of_tool,
-                    },
-                );
-                pair.contacts(body, tool, Reach::TOUCH, &mut set);
+        for &rows in resolutions {
+            let (mut b, mut t) = (Spheres::new(body, rows), Spheres::new(tool, rows));
+            let mut pair = SpheresPair::new(&b, &t);
+            let mut set = ContactSet::new();
+            let result = self.measure(known, |k| {
+                let (time, ()) = clocked(|| {
+                    b.load(body);
+                    t.load_at(tool, &poses[k]);
+                    pair.find(&mut b, &mut t, &Reach::TOUCH, &mut set);
+                });
+                (time, set.deepest().map(|c| c.depth_m).or(none))
             });
-            (time, set.deepest().map(|c| c.depth_m))
+            self.report(case, &label(rows), false, &result);
+        }
+    }
+
+    /// The certified pair on nets that have both moved.
+    fn exact_pair(&mut self, case: &str, Pair { body, tool, poses }: &Pair<'_>, known: &Known) {
+        let mut placed = Surface::clone(tool);
+        let (mut of_body, mut of_tool) = (ClosestSolver::new(body), ClosestSolver::new(tool));
+        let mut pair = PairSolver::new(body, tool);
+        self.deepest(case, "exact", known, |k, set| {
+            for (to, from) in placed
+                .net_mut()
+                .points_mut()
+                .iter_mut()
+                .zip(tool.net().points())
+            {
+                *to = poses[k] * from;
+            }
+            of_body.net_changed();
+            of_tool.net_changed();
+            let (body, tool) = (
+                PairSide {
+                    surface: body,
+                    solver: &mut of_body,
+                },
+                PairSide {
+                    surface: &placed,
+                    solver: &mut of_tool,
+                },
+            );
+            pair.contacts(body, tool, Reach::TOUCH, set);
         });
-        self.report(case, "exact", false, &result);
     }
 
     /// Where a body and the ball-shaped tool cross, chords within a micrometre. The error is how
@@ -62,8 +83,8 @@ impl Suite<'_> {
         let poses = poses(body, n, 4e-3);
         let (mut of_body, mut of_tool) = (ClosestSolver::new(body), ClosestSolver::new(tool));
         let mut pair = PairSolver::new(body, tool);
-        let known: Vec<(usize, f64)> = (0..n).map(|k| (k, 0.0)).collect();
-        let result = self.measure(n, &known, |k| {
+        let known = Known::all(n, 0.0);
+        let result = self.measure(&known, |k| {
             let placed = tool.transformed(&poses[k]);
             let (time, curves) = clocked(|| {
                 of_body.net_changed();
@@ -102,22 +123,12 @@ impl Suite<'_> {
         let n = self.count(2_000);
         let (surface, depth_m) = sausage();
         let mut solver = ClosestSolver::new(&surface);
-        let (mut own, mut set) = (SelfSolver::new(&surface), ContactSet::new());
-        let known: Vec<(usize, f64)> = (0..n).map(|k| (k, depth_m)).collect();
-        let result = self.measure(n, &known, |_| {
-            let (time, ()) = clocked(|| {
-                solver.net_changed();
-                own.contacts(
-                    &surface,
-                    &mut solver,
-                    Reach::TOUCH,
-                    surface.size(),
-                    &mut set,
-                );
-            });
-            (time, set.deepest().map(|c| c.depth_m))
+        let mut own = SelfSolver::new(&surface);
+        let known = Known::all(n, depth_m);
+        self.deepest(case, "exact", &known, |_, set| {
+            solver.net_changed();
+            own.contacts(&surface, &mut solver, Reach::TOUCH, surface.size(), set);
         });
-        self.report(case, "exact", false, &result);
     }
 
     pub(super) fn surfaces(
@@ -133,73 +144,41 @@ impl Suite<'_> {
         // The tool is a ball with a net: its deepest point inside is as deep as the ball is, while
         // its centre is outside.
         let mut oracle = Oracle::new(surface);
-        let known: Vec<(usize, f64)> = (0..n)
-            .step_by((n / 100).max(1))
-            .map(|k| {
-                (
-                    k,
-                    TOOL_RADIUS_M
-                        - oracle.distance(surface, &Point3::from(poses[k].translation.vector)),
-                )
-            })
-            .collect();
-        self.exact_pair(case, surface, tool, &poses, &known);
-        for &rows in resolutions {
-            let (mut b, mut t) = (Spheres::new(surface, rows), Spheres::new(tool, rows));
-            let mut pair = SpheresPair::new(&b, &t);
-            let mut set = ContactSet::new();
-            let result = self.measure(n, &known, |k| {
-                let (time, ()) = clocked(|| {
-                    b.load(surface);
-                    t.load_at(tool, &poses[k]);
-                    pair.find(&mut b, &mut t, &Reach::TOUCH, &mut set);
-                });
-                (time, set.deepest().map(|c| c.depth_m))
-            });
-            self.report(case, &label(rows), false, &result);
-        }
-        let (mut mesh, other) = (Mesh::new(surface), Mesh::new(tool));
-        let result = self.measure(n, &known, |k| {
-            clocked(|| {
-                mesh.load(surface);
-                mesh.other(&other, &poses[k])
-            })
+        let known = Known::of(n, 100, |k| {
+            TOOL_RADIUS_M - oracle.distance(surface, &Point3::from(poses[k].translation.vector))
         });
-        self.report(case, PARRY, true, &result);
+        let pair = Pair {
+            body: surface,
+            tool,
+            poses: &poses,
+        };
+        self.exact_pair(case, &pair, &known);
+        self.pair_of_spheres(case, &pair, resolutions, &known, None);
+        let other = Mesh::new(tool);
+        self.parry(case, surface, &known, |mesh, k| {
+            mesh.load(surface);
+            mesh.other(&other, &poses[k])
+        });
     }
 
     /// Two flat patches, the second moved along itself until that share of the first is covered.
     pub(super) fn flat_surfaces(&mut self, case: &str, percent: u32) {
         let n = self.count(400);
         let (sheet, pose) = (flat(), covering(percent));
-        let known: Vec<(usize, f64)> = (0..n).map(|k| (k, 0.0)).collect();
-        self.exact_pair(case, &sheet, &sheet, &vec![pose; n], &known);
-        for rows in &RESOLUTIONS[..3] {
-            let (mut b, mut t) = (Spheres::new(&sheet, *rows), Spheres::new(&sheet, *rows));
-            let mut pair = SpheresPair::new(&b, &t);
-            let mut set = ContactSet::new();
-            let result = self.measure(n, &known, |_| {
-                let (time, ()) = clocked(|| {
-                    b.load(&sheet);
-                    t.load_at(&sheet, &pose);
-                    pair.find(&mut b, &mut t, &Reach::TOUCH, &mut set);
-                });
-                // None here is a miss of any size.
-                (
-                    time,
-                    Some(set.deepest().map_or(f64::INFINITY, |c| c.depth_m)),
-                )
-            });
-            self.report(case, &label(*rows), false, &result);
-        }
-        let (mut mesh, other) = (Mesh::new(&sheet), Mesh::new(&sheet));
-        let result = self.measure(n, &known, |_| {
-            clocked(|| {
-                mesh.load(&sheet);
-                mesh.other(&other, &pose)
-            })
+        let known = Known::all(n, 0.0);
+        let pair = Pair {
+            body: &sheet,
+            tool: &sheet,
+            poses: &vec![pose; n],
+        };
+        self.exact_pair(case, &pair, &known);
+        // None here is a miss of any size.
+        self.pair_of_spheres(case, &pair, &RESOLUTIONS[..3], &known, Some(f64::INFINITY));
+        let other = Mesh::new(&sheet);
+        self.parry(case, &sheet, &known, |mesh, _| {
+            mesh.load(&sheet);
+            mesh.other(&other, &pose)
         });
-        self.report(case, PARRY, true, &result);
     }
 
     /// A ball above the middle of a flat patch, so large that that share of it is inside.
@@ -228,18 +207,10 @@ impl Suite<'_> {
         ask: impl Fn(&mut Spheres, &mut ContactSet),
     ) {
         let n = self.count(1_000);
-        let known: Vec<(usize, f64)> = (0..n).map(|k| (k, exact)).collect();
-        for rows in &RESOLUTIONS[..3] {
-            let mut spheres = Spheres::new(sheet, *rows);
-            let mut set = ContactSet::new();
-            let result = self.measure(n, &known, |_| {
-                let (time, ()) = clocked(|| {
-                    spheres.load(sheet);
-                    ask(&mut spheres, &mut set);
-                });
-                (time, set.deepest().map(|c| c.depth_m))
-            });
-            self.report(case, &label(*rows), false, &result);
-        }
+        let known = Known::all(n, exact);
+        self.spheres(case, sheet, &RESOLUTIONS[..3], &known, |spheres, _, set| {
+            spheres.load(sheet);
+            ask(spheres, set);
+        });
     }
 }
