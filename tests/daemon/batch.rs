@@ -4,6 +4,7 @@ use crate::daemon::{Daemon, PROGRAM, device, free_port};
 use crate::scenes::SOFT_DROP;
 use palpate_client::proto::rpc::Call;
 use palpate_experiment::batch::{Cache, Settings, Sweep, Table};
+use palpate_sim::tick::quantity::Number;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Command;
@@ -187,6 +188,25 @@ fn nothing_is_run_twice_unless_something_that_decides_it_changed() {
         std::fs::write(directory.path().join("sweep.toml"), other).unwrap();
         assert_eq!(run(&load(directory.path())).cached, cached, "{to}");
     }
+}
+
+#[test]
+fn every_quantity_is_a_column_on_request() {
+    let columns: Vec<String> = Number::names().map(|name| format!("end_{name}")).collect();
+    let directory =
+        folder(&SWEEP.replacen("\n[set]", &format!("columns = {columns:?}\n\n[set]"), 1));
+    let sweep = load(directory.path());
+    let batch = sweep.run(&settings(2, (1, 12), None), |_, _| {});
+    let table = Table::new(sweep.plan(), &batch.rows, false).csv();
+    let table = String::from_utf8(table).unwrap();
+    let heading: Vec<&str> = table.lines().next().unwrap().split(',').collect();
+    let cells: Vec<&str> = table.lines().nth(1).unwrap().split(',').collect();
+    let cell = |name: &str| cells[heading.iter().position(|column| *column == name).unwrap()];
+    assert!(columns.iter().all(|name| heading.contains(&name.as_str())));
+    assert_eq!(cell("end_energy"), cell("energy_j"));
+    let wrong = SWEEP.replacen("\n[set]", "columns = [\"end_banana\"]\n\n[set]", 1);
+    let error = Sweep::parse(&wrong, "sweep", directory.path()).unwrap_err();
+    assert!(error.to_string().contains("contact_force"), "{error}");
 }
 
 #[test]

@@ -5,8 +5,10 @@ use crate::session::{RIGID, Script, record, slab};
 use palpate_geometry::exchange::{Format, Pick, read_surface};
 use palpate_geometry::math::Point3;
 use palpate_record::{
-    Contents, ExportError, Range, Session, computed_info, csv, explain, info, net_at, series,
+    Contents, ExportError, Range, Session, USUAL, computed_info, csv, explain, info, net_at, plots,
+    series,
 };
+use palpate_sim::tick::quantity::{Number, QUANTITIES};
 use palpate_sim::tick::stage::Stage;
 use palpate_sim::tick::{apply, step};
 use std::path::{Path, PathBuf};
@@ -22,6 +24,30 @@ fn palpate(arguments: &[&str]) -> (String, String, i32) {
         text(&output.stderr),
         output.status.code().unwrap_or(-1),
     )
+}
+
+#[test]
+fn every_quantity_is_a_column_and_can_be_plotted() {
+    let directory = tempfile::tempdir().unwrap();
+    let (file, _) = soft(directory.path(), 20, false);
+    let session = Session::open(&file).unwrap();
+    let mut table = Vec::new();
+    csv(&session, &Range::default(), &mut table).unwrap();
+    let table = String::from_utf8(table).unwrap();
+    let columns: Vec<&str> = table.lines().next().unwrap().split(',').collect();
+    for column in QUANTITIES.iter().flat_map(|quantity| quantity.columns) {
+        let column = format!("second.{column}");
+        assert!(columns.contains(&column.as_str()), "{column}");
+    }
+    let names: Vec<&str> = Number::names().collect();
+    let plot = plots(&session, &Range::default(), "all", &names).unwrap();
+    for name in names {
+        assert!(plot.contains(&format!(">{name}")), "{name}");
+    }
+    let path = directory.path().join("out.svg");
+    let (file, path) = (file.to_str().unwrap(), path.to_str().unwrap());
+    let (_, told, code) = palpate(&["export", file, "--svg", path, "--plot", "proxy_z_m,banana"]);
+    assert!(code == 2 && told.contains("contact_force"), "{told}");
 }
 
 /// Two balls on a soft slab.
@@ -193,7 +219,7 @@ fn a_plot_has_four_panels_with_units_and_every_peak() {
     );
     let session = Session::open(&file).unwrap();
     let (curves, figures) = (
-        series(&session, &Range::default()).unwrap(),
+        series(&session, &Range::default(), &USUAL).unwrap(),
         info(&session).unwrap(),
     );
     for (t, tool) in figures.tools.iter().enumerate() {
@@ -206,7 +232,10 @@ fn a_plot_has_four_panels_with_units_and_every_peak() {
                 .fold(f64::NEG_INFINITY, f64::max)
         };
         assert_eq!(
-            (most(&curves.force_n[t]), most(&curves.depth_m[t])),
+            (
+                most(&curves.panels[0].curves[t]),
+                most(&curves.panels[1].curves[t])
+            ),
             (tool.peak_force_n, tool.peak_depth_m)
         );
     }
@@ -216,7 +245,8 @@ fn a_plot_has_four_panels_with_units_and_every_peak() {
             &Range {
                 from: 400,
                 until: 500
-            }
+            },
+            &USUAL
         )
         .is_err()
     );
@@ -556,7 +586,7 @@ fn damaged_files_are_no_reason_to_panic() {
             let _ = (found.to_string(), info(&session));
         }
         let _ = csv(&session, &Range::default(), &mut Vec::new());
-        let _ = series(&session, &Range::default());
+        let _ = series(&session, &Range::default(), &USUAL);
         let _ = net_at(&session, "slab", 100);
     }
     assert!(read > 10, "only {read} of 30 were read");
@@ -570,7 +600,7 @@ fn damaged_files_are_no_reason_to_panic() {
     let odd = odd.session().unwrap();
     assert!(
         csv(&odd, &Range::default(), &mut Vec::new()).is_ok()
-            && series(&odd, &Range::default()).is_ok()
+            && series(&odd, &Range::default(), &USUAL).is_ok()
     );
     for tick in [0, 51, 119, u64::MAX - 1, u64::MAX] {
         let _ = net_at(&odd, "slab", tick);

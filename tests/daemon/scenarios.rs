@@ -5,6 +5,7 @@ use palpate_client::pose_at;
 use palpate_experiment::scenario::{NAMES, Report, Scenario, Settings};
 use palpate_record::{Session, replay};
 use palpate_sim::scene::file;
+use palpate_sim::tick::quantity::Number;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::{Duration, Instant};
@@ -156,6 +157,29 @@ fn a_missed_bar_is_marked_and_ends_with_1() {
     std::fs::write(directory.path().join("down.toml"), "waypoint = 1").unwrap();
     let (_, err, code) = palpate(&["scenario", &name]);
     assert!(code == 2 && err.contains("down.toml"), "{err}");
+}
+
+#[test]
+fn every_quantity_of_a_tool_is_measured_by_its_name() {
+    let directory = tempfile::tempdir().unwrap();
+    let name = folder(directory.path(), 5.0);
+    let file = directory.path().join("scenario.toml");
+    let mut text = std::fs::read_to_string(&file).unwrap();
+    let measure = |name: &str| {
+        format!(
+            "[[measure]]\nname = \"{name}\"\nwhat = {{ quantity = {{ tool = \"ball\", name = \"{name}\" }} }}\n"
+        )
+    };
+    Number::names().for_each(|name| text += &measure(name));
+    std::fs::write(&file, &text).unwrap();
+    let report = runs(&name, &["a"]);
+    for of in Number::names() {
+        assert!(report.value("a", of).is_some(), "{of}");
+    }
+    assert_eq!(report.value("a", "force"), report.value("a", "f"));
+    std::fs::write(&file, text + &measure("banana")).unwrap();
+    let (_, err, code) = palpate(&["scenario", &name]);
+    assert!(code == 2 && err.contains("contact_force_x_n"), "{err}");
 }
 
 #[test]

@@ -17,28 +17,9 @@ from .errors import RecordingError, RecordingWarning
 if TYPE_CHECKING:
     import pandas  # type: ignore[import-untyped,unused-ignore]
 
-#: Columns of each tool, in the order of tables.
-_TOOL_COLUMNS = (
-    "pose_seq",
-    "flags",
-    "contact_count",
-    "force",
-    "torque",
-    "contact_force",
-    "contact_torque",
-    "depth",
-    "proxy",
-    "energy",
-    "dissipated",
-    "error_n",
-    "pose",
-    "velocity",
-    "contact_point",
-    "contact_normal",
-)
-#: Columns of the loop.
-_LOOP_COLUMNS = ("tick", "hash", "late_ns", "skipped", "step_ns")
-_AXES = {3: "xyz", 6: ("vx", "vy", "vz", "wx", "wy", "wz"), 7: ("x", "y", "z", "qx", "qy", "qz", "qw")}
+#: Columns of each tool, in the order of tables, and of the loop.
+_TOOL_COLUMNS, _LOOP_COLUMNS = _native.RecordingFile.column_names()
+_AXES = {2: "uv", 3: "xyz", 6: ("vx", "vy", "vz", "wx", "wy", "wz"), 7: ("x", "y", "z", "qx", "qy", "qz", "qw")}
 
 
 @dataclass(frozen=True)
@@ -67,7 +48,7 @@ class Ticks:
     Rows are ticks. ``force``, ``torque``, ``contact_force``, ``contact_torque`` (ticks, 3) N and N·m; ``depth`` (ticks,)
     m; ``proxy`` (ticks, 7); ``energy``, ``dissipated`` (ticks,) J; ``error_n`` (ticks,) N, how far
     the force may be off, NaN in older files; ``pose`` (ticks, 7) and ``velocity`` (ticks, 6) as applied in the tick, NaN where none was new; ``contact_point``, ``contact_normal`` (ticks, 3) of the deepest
-    contact, NaN without; ``pose_seq``, ``flags``, ``contact_count`` (ticks,).
+    contact, NaN without; ``pose_seq``, ``flags``, ``contact_count`` (ticks,); and the other quantities of tools that ``dir`` lists.
     """
 
     def __init__(self, file: "_native.RecordingFile", tool: int, checked: "Callable[[], None]") -> None:

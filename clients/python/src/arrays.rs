@@ -1,7 +1,7 @@
 //! Arrays of a batch: what Python writes to and reads from.
 
-use crate::output::{depth, proxy};
 use numpy::{PyArray1, PyArrayDyn};
+use palpate_sim::tick::quantity::Quantity;
 use palpate_sim::tick::record::ToolOutput;
 use pyo3::prelude::*;
 
@@ -51,16 +51,8 @@ impl Arrays {
 
 /// Writes one of [`RESULTS`] of a copy.
 pub fn write_result(name: &str, out: &ToolOutput, row: &mut [f64]) {
-    match name {
-        "force" => row.copy_from_slice(out.force_n.as_slice()),
-        "torque" => row.copy_from_slice(out.torque_nm.as_slice()),
-        "contact_force" => row.copy_from_slice(out.contact_force_n.as_slice()),
-        "contact_torque" => row.copy_from_slice(out.contact_torque_nm.as_slice()),
-        "depth" => row[0] = depth(out),
-        "proxy" => row.copy_from_slice(&proxy(out)),
-        "energy" => row[0] = out.energy_j,
-        "dissipated" => row[0] = out.dissipated_j,
-        _ => row[0] = out.error_n,
+    if let Some(quantity) = Quantity::named(name) {
+        quantity.write(&out.into(), row);
     }
 }
 

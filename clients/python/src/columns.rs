@@ -1,170 +1,78 @@
 //! Columns of a tool over the ticks of a recording.
 
 use crate::closest::cores;
-use crate::output::{depth, proxy};
 use palpate_record::{Follower, Happening, ReadError, Session, Topic};
-use palpate_sim::tick::record::{TickRecord, ToolOutput};
+use palpate_sim::tick::quantity::{OF_LOOP, OfLoop, Quantity, Read, ToolTick};
+use palpate_sim::tick::record::TickRecord;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-/// A column of numbers: how many to a tick, and how they are read.
-pub struct Column {
-    /// As Python names it.
-    pub name: &'static str,
-    /// Numbers to a tick.
-    pub width: usize,
-    read: fn(&TickRecord, usize, &ToolOutput, &mut Vec<f64>),
+/// A column: of a tool, or of the loop.
+#[derive(Clone, Copy)]
+pub enum Column {
+    Tool(&'static Quantity),
+    Loop(&'static OfLoop),
 }
 
-/// Columns of a tool that hold numbers.
-pub const COLUMNS: &[Column] = &[
-    Column {
-        name: "force",
-        width: 3,
-        read: |_, _, out, to| to.extend_from_slice(out.force_n.as_slice()),
-    },
-    Column {
-        name: "torque",
-        width: 3,
-        read: |_, _, out, to| to.extend_from_slice(out.torque_nm.as_slice()),
-    },
-    Column {
-        name: "contact_force",
-        width: 3,
-        read: |_, _, out, to| to.extend_from_slice(out.contact_force_n.as_slice()),
-    },
-    Column {
-        name: "contact_torque",
-        width: 3,
-        read: |_, _, out, to| to.extend_from_slice(out.contact_torque_nm.as_slice()),
-    },
-    Column {
-        name: "depth",
-        width: 1,
-        read: |_, _, out, to| to.push(depth(out)),
-    },
-    Column {
-        name: "proxy",
-        width: 7,
-        read: |_, _, out, to| to.extend_from_slice(&proxy(out)),
-    },
-    Column {
-        name: "energy",
-        width: 1,
-        read: |_, _, out, to| to.push(out.energy_j),
-    },
-    Column {
-        name: "dissipated",
-        width: 1,
-        read: |_, _, out, to| to.push(out.dissipated_j),
-    },
-    Column {
-        name: "error_n",
-        width: 1,
-        read: |_, _, out, to| to.push(out.error_n),
-    },
-    Column {
-        name: "pose",
-        width: 7,
-        read: |record, tool, _, to| match &record.input.poses[tool] {
-            Some(pose) => {
-                to.extend_from_slice(pose.position.coords.as_slice());
-                to.extend_from_slice(pose.orientation.coords.as_slice());
-            }
-            None => to.extend_from_slice(&[f64::NAN; 7]),
-        },
-    },
-    Column {
-        name: "velocity",
-        width: 6,
-        read: |record, tool, _, to| match &record.input.poses[tool] {
-            Some(pose) => {
-                to.extend_from_slice(pose.linear_velocity.as_slice());
-                to.extend_from_slice(pose.angular_velocity.as_slice());
-            }
-            None => to.extend_from_slice(&[f64::NAN; 6]),
-        },
-    },
-    Column {
-        name: "contact_point",
-        width: 3,
-        read: |_, _, out, to| match &out.contact {
-            Some(contact) => to.extend_from_slice(contact.point.coords.as_slice()),
-            None => to.extend_from_slice(&[f64::NAN; 3]),
-        },
-    },
-    Column {
-        name: "contact_normal",
-        width: 3,
-        read: |_, _, out, to| match &out.contact {
-            Some(contact) => to.extend_from_slice(contact.normal.as_slice()),
-            None => to.extend_from_slice(&[f64::NAN; 3]),
-        },
-    },
-];
-
-/// A column of whole numbers.
-pub struct Count {
-    /// As Python names it.
-    pub name: &'static str,
-    read: fn(&TickRecord, &ToolOutput) -> u64,
+/// Values of a column, one tick after the other.
+pub enum Values {
+    /// So many to a tick.
+    Numbers(Vec<f64>, usize),
+    Whole(Vec<u64>),
 }
 
-/// Columns of whole numbers; the first ones are the same for every tool.
-pub const COUNTS: &[Count] = &[
-    Count {
-        name: "tick",
-        read: |record, _| record.output.tick,
-    },
-    Count {
-        name: "hash",
-        read: |record, _| record.output.state_hash,
-    },
-    Count {
-        name: "late_ns",
-        read: |record, _| record.late_ns,
-    },
-    Count {
-        name: "skipped",
-        read: |record, _| u64::from(record.input.skipped),
-    },
-    Count {
-        name: "step_ns",
-        read: |record, _| record.stage_ns.total(),
-    },
-    Count {
-        name: "pose_seq",
-        read: |_, out| out.pose_seq,
-    },
-    Count {
-        name: "flags",
-        read: |_, out| u64::from(out.flags),
-    },
-    Count {
-        name: "contact_count",
-        read: |_, out| u64::from(out.contact_count),
-    },
-];
+/// As many as columns were asked for, of a stretch of ticks.
+type Piece = Vec<Values>;
 
-/// What was read of a stretch of ticks: as the columns asked for.
-#[derive(Default)]
-pub struct Piece {
-    /// As [`Wanted::numbers`].
-    pub numbers: Vec<Vec<f64>>,
-    /// As [`Wanted::counts`].
-    pub counts: Vec<Vec<u64>>,
+impl Column {
+    /// As Python names it.
+    pub fn named(name: &str) -> Option<Self> {
+        let of_loop = OF_LOOP.iter().find(|quantity| quantity.name == name);
+        let of_tool = Quantity::named(name).map(Self::Tool);
+        of_loop.map(Self::Loop).or(of_tool)
+    }
+
+    /// Without a tick.
+    pub fn empty(self) -> Values {
+        match self {
+            Self::Tool(quantity) if !matches!(quantity.read, Read::Whole(_)) => {
+                Values::Numbers(Vec::new(), quantity.width())
+            }
+            _ => Values::Whole(Vec::new()),
+        }
+    }
+
+    fn read(self, record: &TickRecord, tool: usize, to: &mut Values) {
+        match (self, to) {
+            (Self::Tool(quantity), Values::Numbers(to, _)) => {
+                quantity.push(&ToolTick::of(record, tool), to);
+            }
+            (Self::Tool(quantity), Values::Whole(to)) => {
+                if let Read::Whole(read) = quantity.read {
+                    to.push(read(&record.output.tools[tool]));
+                }
+            }
+            (Self::Loop(quantity), Values::Whole(to)) => to.push((quantity.read)(record)),
+            (Self::Loop(_), Values::Numbers(..)) => {}
+        }
+    }
 }
 
 /// What to read.
 pub struct Wanted {
     /// Index of the tool.
     pub tool: usize,
-    /// Of [`COLUMNS`].
-    pub numbers: Vec<usize>,
-    /// Of [`COUNTS`].
-    pub counts: Vec<usize>,
+    /// In the order of what is read.
+    pub columns: Vec<Column>,
     /// First and last.
     pub ticks: (u64, u64),
+}
+
+impl Wanted {
+    /// Columns without a tick.
+    pub fn empty(&self) -> Vec<Values> {
+        self.columns.iter().map(|column| column.empty()).collect()
+    }
 }
 
 fn read_piece(
@@ -173,10 +81,7 @@ fn read_piece(
     (from, until): (u64, u64),
     stop: &AtomicBool,
 ) -> Result<Piece, ReadError> {
-    let mut piece = Piece {
-        numbers: vec![Vec::new(); wanted.numbers.len()],
-        counts: vec![Vec::new(); wanted.counts.len()],
-    };
+    let mut piece = wanted.empty();
     for happening in Follower::between(session, from, until).only(&[Topic::Tick]) {
         let Happening::Tick(record) = happening? else {
             continue;
@@ -184,12 +89,8 @@ fn read_piece(
         if stop.load(Ordering::Relaxed) {
             break;
         }
-        let out = &record.output.tools[wanted.tool];
-        for (column, values) in wanted.numbers.iter().zip(&mut piece.numbers) {
-            (COLUMNS[*column].read)(&record, wanted.tool, out, values);
-        }
-        for (column, values) in wanted.counts.iter().zip(&mut piece.counts) {
-            values.push((COUNTS[*column].read)(&record, out));
+        for (column, values) in wanted.columns.iter().zip(&mut piece) {
+            column.read(&record, wanted.tool, values);
         }
     }
     Ok(piece)
@@ -228,24 +129,16 @@ pub fn read_columns(
         (1..workers.min(stretches as usize)).for_each(|_| drop(scope.spawn(work)));
         work();
     });
-    let mut whole = Piece {
-        numbers: vec![Vec::new(); wanted.numbers.len()],
-        counts: vec![Vec::new(); wanted.counts.len()],
-    };
+    let mut whole = wanted.empty();
     for result in results {
-        let Some(piece) = result.into_inner().ok().flatten().transpose()? else {
-            continue;
-        };
-        whole
-            .numbers
-            .iter_mut()
-            .zip(piece.numbers)
-            .for_each(|(all, part)| all.extend(part));
-        whole
-            .counts
-            .iter_mut()
-            .zip(piece.counts)
-            .for_each(|(all, part)| all.extend(part));
+        let piece = result.into_inner().ok().flatten().transpose()?;
+        for pair in whole.iter_mut().zip(piece.into_iter().flatten()) {
+            match pair {
+                (Values::Numbers(all, _), Values::Numbers(part, _)) => all.extend(part),
+                (Values::Whole(all), Values::Whole(part)) => all.extend(part),
+                _ => {}
+            }
+        }
     }
     Ok(whole)
 }

@@ -6,8 +6,9 @@ use numpy::PyArray1;
 use palpate_geometry::math::Vector3;
 use palpate_sim::solve::rows::Holder;
 use palpate_sim::tick::explain::Explanation;
-use palpate_sim::tick::record::{ContactReport, TickOutput, ToolOutput};
-use pyo3::exceptions::PyKeyError;
+use palpate_sim::tick::quantity::{MOST_COMPONENTS, Quantity, Read};
+use palpate_sim::tick::record::{ContactReport, TickOutput};
+use pyo3::exceptions::{PyAttributeError, PyKeyError};
 use pyo3::prelude::*;
 use pyo3::types::{PyFloat, PyInt, PyList};
 use std::sync::Arc;
@@ -20,23 +21,6 @@ pub struct Output {
     tick: TickOutput,
     built: Arc<Built>,
     explanation: Option<Explanation>,
-}
-
-/// What is read of a tool.
-#[derive(Clone, Copy)]
-enum Field {
-    Force,
-    Torque,
-    ContactForce,
-    ContactTorque,
-    Depth,
-    Proxy,
-    Energy,
-    Dissipated,
-    Error,
-    Flags,
-    PoseSeq,
-    ContactCount,
 }
 
 impl Output {
@@ -58,11 +42,13 @@ impl Output {
     }
 }
 
-fn by_tool(slf: &Bound<'_, Output>, field: Field) -> ByTool {
-    ByTool {
+fn by_tool(slf: &Bound<'_, Output>, name: &str) -> PyResult<ByTool> {
+    let quantity = Quantity::named(name).filter(|quantity| !quantity.is_of_pose());
+    let unknown = || PyAttributeError::new_err(format!("an output has no {name:?}"));
+    Ok(ByTool {
         output: slf.clone().unbind(),
-        field,
-    }
+        quantity: quantity.ok_or_else(unknown)?,
+    })
 }
 
 #[pymethods]
@@ -81,75 +67,80 @@ impl Output {
 
     /// By tool: force for the device, (3,) N, world axes.
     #[getter]
-    fn force(slf: &Bound<'_, Self>) -> ByTool {
-        by_tool(slf, Field::Force)
+    fn force(slf: &Bound<'_, Self>) -> PyResult<ByTool> {
+        by_tool(slf, "force")
     }
 
     /// By tool: how far that force may be from the one that the exact step of the same length would give, N: an
     /// estimate, 0 on rigid bodies.
     #[getter]
-    fn error_n(slf: &Bound<'_, Self>) -> ByTool {
-        by_tool(slf, Field::Error)
+    fn error_n(slf: &Bound<'_, Self>) -> PyResult<ByTool> {
+        by_tool(slf, "error_n")
     }
 
     /// By tool: torque for the device at the tool's reference point, (3,) N·m.
     #[getter]
-    fn torque(slf: &Bound<'_, Self>) -> ByTool {
-        by_tool(slf, Field::Torque)
+    fn torque(slf: &Bound<'_, Self>) -> PyResult<ByTool> {
+        by_tool(slf, "torque")
     }
 
     /// By tool: force of all contacts, (3,) N, neither damped nor limited for the device.
     #[getter]
-    fn contact_force(slf: &Bound<'_, Self>) -> ByTool {
-        by_tool(slf, Field::ContactForce)
+    fn contact_force(slf: &Bound<'_, Self>) -> PyResult<ByTool> {
+        by_tool(slf, "contact_force")
     }
 
     /// By tool: torque of all contacts about the tool's reference point, (3,) N·m.
     #[getter]
-    fn contact_torque(slf: &Bound<'_, Self>) -> ByTool {
-        by_tool(slf, Field::ContactTorque)
+    fn contact_torque(slf: &Bound<'_, Self>) -> PyResult<ByTool> {
+        by_tool(slf, "contact_torque")
     }
 
     /// By tool: penetration of the device's tool, m; 0 without contact.
     #[getter]
-    fn depth(slf: &Bound<'_, Self>) -> ByTool {
-        by_tool(slf, Field::Depth)
+    fn depth(slf: &Bound<'_, Self>) -> PyResult<ByTool> {
+        by_tool(slf, "depth")
     }
 
     /// By tool: where the surface holds the tool back, (7,): position in m, quaternion x y z w.
     #[getter]
-    fn proxy(slf: &Bound<'_, Self>) -> ByTool {
-        by_tool(slf, Field::Proxy)
+    fn proxy(slf: &Bound<'_, Self>) -> PyResult<ByTool> {
+        by_tool(slf, "proxy")
     }
 
     /// By tool: net work of the device on the loop since the start, J.
     #[getter]
-    fn energy(slf: &Bound<'_, Self>) -> ByTool {
-        by_tool(slf, Field::Energy)
+    fn energy(slf: &Bound<'_, Self>) -> PyResult<ByTool> {
+        by_tool(slf, "energy")
     }
 
     /// By tool: the part of the energy that the passivity controller took away, J.
     #[getter]
-    fn dissipated(slf: &Bound<'_, Self>) -> ByTool {
-        by_tool(slf, Field::Dissipated)
+    fn dissipated(slf: &Bound<'_, Self>) -> PyResult<ByTool> {
+        by_tool(slf, "dissipated")
     }
 
     /// By tool: bits of `ForceFlags`.
     #[getter]
-    fn flags(slf: &Bound<'_, Self>) -> ByTool {
-        by_tool(slf, Field::Flags)
+    fn flags(slf: &Bound<'_, Self>) -> PyResult<ByTool> {
+        by_tool(slf, "flags")
     }
 
     /// By tool: number of the pose that the tick answers.
     #[getter]
-    fn pose_seq(slf: &Bound<'_, Self>) -> ByTool {
-        by_tool(slf, Field::PoseSeq)
+    fn pose_seq(slf: &Bound<'_, Self>) -> PyResult<ByTool> {
+        by_tool(slf, "pose_seq")
     }
 
     /// By tool: contacts that carried force.
     #[getter]
-    fn contact_count(slf: &Bound<'_, Self>) -> ByTool {
-        by_tool(slf, Field::ContactCount)
+    fn contact_count(slf: &Bound<'_, Self>) -> PyResult<ByTool> {
+        by_tool(slf, "contact_count")
+    }
+
+    /// Any other quantity of tools by its name, as recordings have it.
+    fn __getattr__(slf: &Bound<'_, Self>, name: &str) -> PyResult<ByTool> {
+        by_tool(slf, name)
     }
 
     /// Contacts that carry force, deepest first: structured array (contacts,) of dtype `CONTACT`.
@@ -228,44 +219,22 @@ pub fn push_contact(rows: &mut Vec<u8>, contact: &ContactReport) {
 #[pyclass(frozen, mapping, module = "palpate")]
 pub struct ByTool {
     output: Py<Output>,
-    field: Field,
+    quantity: &'static Quantity,
 }
 
 impl ByTool {
-    fn value<'py>(&self, py: Python<'py>, tool: &ToolOutput) -> Bound<'py, PyAny> {
-        let vector = |v: &Vector3| PyArray1::from_slice(py, v.as_slice()).into_any();
-        let number = |x: f64| PyFloat::new(py, x).into_any();
-        let count = |n: u64| PyInt::new(py, n).into_any();
-        match self.field {
-            Field::Force => vector(&tool.force_n),
-            Field::Torque => vector(&tool.torque_nm),
-            Field::ContactForce => vector(&tool.contact_force_n),
-            Field::ContactTorque => vector(&tool.contact_torque_nm),
-            Field::Depth => number(depth(tool)),
-            Field::Proxy => PyArray1::from_slice(py, &proxy(tool)).into_any(),
-            Field::Error => number(tool.error_n),
-            Field::Energy => number(tool.energy_j),
-            Field::Dissipated => number(tool.dissipated_j),
-            Field::Flags => count(u64::from(tool.flags)),
-            Field::PoseSeq => count(tool.pose_seq),
-            Field::ContactCount => count(u64::from(tool.contact_count)),
+    fn at<'py>(&self, py: Python<'py>, tool: usize) -> Bound<'py, PyAny> {
+        let output = &self.output.get().tick.tools[tool];
+        if let Read::Whole(read) = self.quantity.read {
+            return PyInt::new(py, read(output)).into_any();
+        }
+        let mut row = Vec::with_capacity(MOST_COMPONENTS);
+        self.quantity.push(&output.into(), &mut row);
+        match row[..] {
+            [x] => PyFloat::new(py, x).into_any(),
+            _ => PyArray1::from_vec(py, row).into_any(),
         }
     }
-
-    fn at<'py>(&self, py: Python<'py>, tool: usize) -> Bound<'py, PyAny> {
-        self.value(py, &self.output.get().tick.tools[tool])
-    }
-}
-
-/// Penetration depth, m; 0 without contact.
-pub fn depth(tool: &ToolOutput) -> f64 {
-    tool.contact.map_or(0.0, |contact| contact.depth_m)
-}
-
-/// Position and quaternion of the proxy.
-pub fn proxy(tool: &ToolOutput) -> [f64; 7] {
-    let (p, q) = (tool.proxy_position, tool.proxy_orientation.coords);
-    [p.x, p.y, p.z, q.x, q.y, q.z, q.w]
 }
 
 #[pymethods]

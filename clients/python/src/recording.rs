@@ -1,6 +1,6 @@
 //! Recordings as arrays: columns of ticks on demand, nets, replays.
 
-use crate::columns::{COLUMNS, COUNTS, Column, Piece, Wanted, read_columns};
+use crate::columns::{Column, Values, Wanted, read_columns};
 use crate::errors::{exception, os_error, raised};
 use crate::surface::Surface;
 use crate::values::shaped;
@@ -10,6 +10,7 @@ use palpate_record::{
     Follower, Happening, ReadError, ReplayOptions, Session, Topic, computed_info, info, net_at,
     recorded_scene, replay_with, simulate_figures,
 };
+use palpate_sim::tick::quantity::{OF_LOOP, QUANTITIES};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -130,21 +131,11 @@ impl RecordingFile {
         first: Option<u64>,
         last: Option<u64>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let (mut numbers, mut counts) = (Vec::new(), Vec::new());
-        for name in &names {
-            match (
-                COLUMNS.iter().position(|c| c.name == name),
-                COUNTS.iter().position(|c| c.name == name),
-            ) {
-                (Some(column), _) => numbers.push(column),
-                (_, Some(column)) => counts.push(column),
-                (None, None) => {
-                    return Err(PyValueError::new_err(format!(
-                        "a recording has no column {name:?}"
-                    )));
-                }
-            }
-        }
+        let unknown =
+            |name: &String| PyValueError::new_err(format!("a recording has no column {name:?}"));
+        let columns = names
+            .iter()
+            .map(|name| Column::named(name).ok_or_else(|| unknown(name)));
         let range = self.session.tick_range().map(|(start, end)| {
             (
                 first.unwrap_or(start).max(start),
@@ -153,54 +144,43 @@ impl RecordingFile {
         });
         let wanted = Wanted {
             tool,
-            numbers,
-            counts,
+            columns: columns.collect::<PyResult<_>>()?,
             ticks: range.unwrap_or((0, 0)),
         };
         let session = self.session.clone();
         let empty = range.is_none_or(|(first, last)| first > last);
         let result = watched(
             py,
-            move |stop| {
-                let piece = if empty {
-                    let counts = vec![Vec::new(); wanted.counts.len()];
-                    Ok(Piece {
-                        numbers: vec![Vec::new(); wanted.numbers.len()],
-                        counts,
-                    })
-                } else {
-                    read_columns(&session, &wanted, stop)
-                };
-                piece.map(|piece| (piece, wanted))
+            move |stop| match empty {
+                true => Ok(wanted.empty()),
+                false => read_columns(&session, &wanted, stop),
             },
             || Ok(()),
         )?;
-        let (piece, wanted) = result.map_err(|error| read_error(&self.path, error))?;
+        let read = result.map_err(|error| read_error(&self.path, error))?;
         let columns = PyDict::new(py);
-        for (column, values) in wanted.numbers.iter().zip(piece.numbers) {
-            let Column { name, width, .. } = &COLUMNS[*column];
-            let rows = values.len() / width;
-            let shape = if *width == 1 {
-                vec![rows]
-            } else {
-                vec![rows, *width]
-            };
-            columns.set_item(name, shaped(py, values, &shape)?)?;
-        }
-        for (column, values) in wanted.counts.iter().zip(piece.counts) {
-            columns.set_item(COUNTS[*column].name, PyArray1::from_vec(py, values))?;
+        for (name, values) in names.iter().zip(read) {
+            match values {
+                Values::Whole(values) => columns.set_item(name, PyArray1::from_vec(py, values))?,
+                Values::Numbers(values, 1) => {
+                    columns.set_item(name, PyArray1::from_vec(py, values))?
+                }
+                Values::Numbers(values, width) => {
+                    let rows = values.len() / width;
+                    columns.set_item(name, shaped(py, values, &[rows, width])?)?;
+                }
+            }
         }
         Ok(columns)
     }
 
-    /// Names of all columns.
+    /// Names of the columns of a tool, and of the loop.
     #[staticmethod]
-    fn column_names() -> Vec<&'static str> {
-        COUNTS
-            .iter()
-            .map(|c| c.name)
-            .chain(COLUMNS.iter().map(|c| c.name))
-            .collect()
+    fn column_names() -> (Vec<&'static str>, Vec<&'static str>) {
+        (
+            QUANTITIES.iter().map(|quantity| quantity.name).collect(),
+            OF_LOOP.iter().map(|quantity| quantity.name).collect(),
+        )
     }
 
     /// Events: tick, kind, words.

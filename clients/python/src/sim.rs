@@ -2,7 +2,7 @@
 
 use crate::built::Built;
 use crate::errors::{busy, raised, surface_error};
-use crate::output::{Output, depth};
+use crate::output::Output;
 use crate::pose::{Pose, of_numbers};
 use crate::scene::Scene;
 use crate::snapshot::Snapshot;
@@ -12,6 +12,7 @@ use crate::values::{array, finite, is_watched, python, shape_text, shaped, slice
 use numpy::{PyArray1, PyArray3, PyArrayMethods, PyUntypedArrayMethods};
 use palpate_geometry::math::{Point3, SavedState, state_hash};
 use palpate_proto::messages::ToolPose;
+use palpate_sim::tick::quantity::Quantity;
 use palpate_sim::tick::record::Command;
 use palpate_sim::tick::{apply, restore};
 use pyo3::exceptions::{PyTypeError, PyValueError};
@@ -239,7 +240,9 @@ impl Simulation {
             ticks.ok_or_else(|| PyValueError::new_err("no poses: name at least one tool"))?;
         let mut inner = self.lock()?;
         let tools = self.built.scene.tool_count();
-        let mut traces = vec![Trace::default(); tools];
+        let traced = TRACED.iter().flat_map(|name| Quantity::named(name));
+        let traced: Vec<&Quantity> = traced.collect();
+        let mut traces = vec![(vec![Vec::new(); traced.len()], Vec::new()); tools];
         let (mut numbers, mut hashes) = (Vec::with_capacity(ticks), Vec::with_capacity(ticks));
         let run = &mut inner.run;
         let ran = interruptible(py, ticks, |k| {
@@ -249,15 +252,11 @@ impl Simulation {
             run.tick();
             numbers.push(run.output.tick);
             hashes.push(run.output.state_hash);
-            for (trace, out) in traces.iter_mut().zip(run.output.tools.as_slice()) {
-                trace.force.extend_from_slice(out.force_n.as_slice());
-                trace.torque.extend_from_slice(out.torque_nm.as_slice());
-                trace
-                    .contact_force
-                    .extend_from_slice(out.contact_force_n.as_slice());
-                trace.depth.push(depth(out));
-                trace.flags.push(out.flags);
-                trace.error_n.push(out.error_n);
+            for ((trace, flags), out) in traces.iter_mut().zip(run.output.tools.as_slice()) {
+                for (quantity, numbers) in traced.iter().zip(trace) {
+                    quantity.push(&out.into(), numbers);
+                }
+                flags.push(out.flags);
             }
         });
         inner.refresh(py)?;
@@ -265,38 +264,24 @@ impl Simulation {
         let result = PyDict::new(py);
         result.set_item("tick", PyArray1::from_vec(py, numbers))?;
         result.set_item("hash", PyArray1::from_vec(py, hashes))?;
-        let by_name = [
-            "force",
-            "torque",
-            "contact_force",
-            "depth",
-            "flags",
-            "error_n",
-        ]
-        .map(|name| (name, PyDict::new(py)));
-        for (trace, id) in traces.into_iter().zip(self.built.tool_ids()) {
-            by_name[0]
-                .1
-                .set_item(&id, shaped(py, trace.force, &[ticks, 3])?)?;
-            by_name[1]
-                .1
-                .set_item(&id, shaped(py, trace.torque, &[ticks, 3])?)?;
-            by_name[2]
-                .1
-                .set_item(&id, shaped(py, trace.contact_force, &[ticks, 3])?)?;
-            by_name[3]
-                .1
-                .set_item(&id, PyArray1::from_vec(py, trace.depth))?;
-            by_name[4]
-                .1
-                .set_item(&id, PyArray1::from_vec(py, trace.flags))?;
-            by_name[5]
-                .1
-                .set_item(&id, PyArray1::from_vec(py, trace.error_n))?;
+        let of_flags = PyDict::new(py);
+        let by_name: Vec<_> = traced.iter().map(|_| PyDict::new(py)).collect();
+        for ((trace, flags), id) in traces.into_iter().zip(self.built.tool_ids()) {
+            for ((quantity, numbers), by_tool) in traced.iter().zip(trace).zip(&by_name) {
+                let shape = [ticks, quantity.width()];
+                let shape = if quantity.width() == 1 {
+                    &shape[..1]
+                } else {
+                    &shape
+                };
+                by_tool.set_item(&id, shaped(py, numbers, shape)?)?;
+            }
+            of_flags.set_item(&id, PyArray1::from_vec(py, flags))?;
         }
-        for (name, values) in by_name {
-            result.set_item(name, values)?;
+        for (quantity, by_tool) in traced.iter().zip(by_name) {
+            result.set_item(quantity.name, by_tool)?;
         }
+        result.set_item("flags", of_flags)?;
         Ok(result)
     }
 
@@ -449,12 +434,5 @@ impl Simulation {
     }
 }
 
-#[derive(Clone, Default)]
-struct Trace {
-    force: Vec<f64>,
-    torque: Vec<f64>,
-    contact_force: Vec<f64>,
-    depth: Vec<f64>,
-    flags: Vec<u32>,
-    error_n: Vec<f64>,
-}
+/// What a run keeps of each tool and tick beside its flags.
+const TRACED: [&str; 5] = ["force", "torque", "contact_force", "depth", "error_n"];

@@ -11,7 +11,7 @@ pub const FRAME: [f64; 4] = [80.0, 40.0, 720.0, 540.0];
 /// Marks on a line at most; a line of more points has none.
 const MOST_MARKS: usize = 64;
 /// As many as a suite has methods.
-pub const COLOURS: [&str; 16] = [
+pub(crate) const COLOURS: [&str; 16] = [
     "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#7f7f7f",
     "#8c564b", "#17becf", "#4b0082", "#ff5c8a", "#7cb518", "#6b4c9a", "#b8860b", "#003f5c",
 ];
@@ -86,7 +86,7 @@ pub fn page_with(charts: &[Chart], front: &[(f64, f64)]) -> String {
 }
 
 /// Where values lie along an axis, from its first tick to its last.
-pub struct Axis {
+pub(crate) struct Axis {
     scale: Scale,
     /// First tick, as a power of ten where the axis has decades.
     pub low: f64,
@@ -178,28 +178,21 @@ fn decade(unit: Unit, exponent: i64) -> String {
     }
 }
 
-fn draw(chart: &Chart, front: &[(f64, f64)], svg: &mut String) {
-    let [left, top, right, bottom] = FRAME;
-    let points = || chart.curves.iter().flat_map(|curve| &curve.points);
-    let x = Axis::new(chart.scales[0], points().map(|p| p.0));
-    let y = Axis::new(chart.scales[1], points().map(|p| p.1));
-    let across = |value: f64| left + x.share(value) * (right - left);
-    let down = |value: f64| bottom - y.share(value) * (bottom - top);
-    let middle = (0.5 * (left + right), 0.5 * (top + bottom));
-    let _ = writeln!(
-        svg,
-        "<text x=\"{left}\" y=\"24\" font-size=\"16\">{}</text>",
-        escaped(&chart.title)
-    );
-    for (at, label) in &x.ticks {
-        let at = left + (at - x.low) / (x.high - x.low) * (right - left);
-        let _ = writeln!(svg, "<path d=\"M{at:.1} {top}V{bottom}\" stroke=\"#ddd\"/>");
+/// A line of the grid from top to bottom, with a label below if it has one.
+pub(crate) fn line_down(svg: &mut String, at: f64, [top, bottom]: [f64; 2], label: &str) {
+    let _ = writeln!(svg, "<path d=\"M{at:.1} {top}V{bottom}\" stroke=\"#ddd\"/>");
+    if !label.is_empty() {
         let _ = writeln!(
             svg,
             "<text x=\"{at:.1}\" y=\"{}\" text-anchor=\"middle\">{label}</text>",
             bottom + 18.0
         );
     }
+}
+
+/// An axis at the left of a frame: lines across with their labels, and its name.
+pub(crate) fn axis_down(svg: &mut String, frame: [f64; 4], y: &Axis, name: &str) {
+    let [left, top, right, bottom] = frame;
     for (at, label) in &y.ticks {
         let at = bottom - (at - y.low) / (y.high - y.low) * (bottom - top);
         let _ = writeln!(svg, "<path d=\"M{left} {at:.1}H{right}\" stroke=\"#ddd\"/>");
@@ -210,19 +203,37 @@ fn draw(chart: &Chart, front: &[(f64, f64)], svg: &mut String) {
             at + 4.0
         );
     }
+    let (middle, name) = (0.5 * (top + bottom), escaped(name));
+    let _ = writeln!(
+        svg,
+        "<text transform=\"translate(20 {middle}) rotate(-90)\" text-anchor=\"middle\">{name}</text>"
+    );
+}
+
+fn draw(chart: &Chart, front: &[(f64, f64)], svg: &mut String) {
+    let [left, top, right, bottom] = FRAME;
+    let points = || chart.curves.iter().flat_map(|curve| &curve.points);
+    let x = Axis::new(chart.scales[0], points().map(|p| p.0));
+    let y = Axis::new(chart.scales[1], points().map(|p| p.1));
+    let across = |value: f64| left + x.share(value) * (right - left);
+    let down = |value: f64| bottom - y.share(value) * (bottom - top);
+    let _ = writeln!(
+        svg,
+        "<text x=\"{left}\" y=\"24\" font-size=\"16\">{}</text>",
+        escaped(&chart.title)
+    );
+    for (at, label) in &x.ticks {
+        let at = left + (at - x.low) / (x.high - x.low) * (right - left);
+        line_down(svg, at, [top, bottom], label);
+    }
     let name = escaped(&chart.across);
     let _ = writeln!(
         svg,
         "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{name}</text>",
-        middle.0,
+        0.5 * (left + right),
         bottom + 40.0
     );
-    let name = escaped(&chart.down);
-    let _ = writeln!(
-        svg,
-        "<text transform=\"translate(20 {}) rotate(-90)\" text-anchor=\"middle\">{name}</text>",
-        middle.1
-    );
+    axis_down(svg, FRAME, &y, &chart.down);
     let line = |points: &[(f64, f64)], colour: &str, svg: &mut String| {
         let places: Vec<String> = points
             .iter()
@@ -287,7 +298,7 @@ fn mark(svg: &mut String, x: f64, y: f64, colour: &str, hollow: bool, title: Opt
 }
 
 /// Text as it stands in XML.
-pub fn escaped(text: &str) -> String {
+pub(crate) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;")

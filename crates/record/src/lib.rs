@@ -41,7 +41,7 @@ pub use channel::{EventRecord, Happening, Keyframe, NetRecord, OtherRecord, Topi
 pub use disk::{Disk, DiskFile, DiskSync, DiskTask, FileSystem};
 pub use disk::{create_new, give_name};
 pub use export::{
-    Bucket, BucketedCurve, ExportError, Range, Series, csv, explain, net_at, ros2_bag, series,
+    BucketedCurve, ExportError, Range, Series, USUAL, csv, explain, net_at, plots, ros2_bag, series,
 };
 pub use figures::{
     BodyFigures, Deviation, Figures, FiguresError, HashDifference, Hashes, Simulation, Tolerances,

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import palpate as pp
+from palpate import _native
 
 from .conftest import lower, press, rigid, soft
 
@@ -82,6 +83,15 @@ def test_a_held_pose_is_sent_each_tick_and_none_ends_that(rigid_scene: pp.Scene)
     gone = sim.step({"probe": None}, ticks=400)
     assert gone.flags["probe"] & pp.ForceFlags.STALE
     np.testing.assert_array_equal(gone.force["probe"], np.zeros(3))
+
+
+def test_an_output_has_every_quantity_that_recordings_have(rigid_scene: pp.Scene) -> None:
+    out = rigid_scene.simulate().step()
+    of_tools, _ = _native.RecordingFile.column_names()
+    for name in set(of_tools) - {"pose", "velocity", "buttons"}:
+        assert list(getattr(out, name)) == ["probe"], name
+    with pytest.raises(AttributeError, match="buttons"):
+        _ = out.buttons
 
 
 def test_outputs_stay_as_they_were(rigid_scene: pp.Scene) -> None:

@@ -6,6 +6,7 @@
 //! ```
 //! What a run comes to depends on its number and on the sweep, not on jobs, shards or other runs.
 
+mod asked;
 mod cache;
 mod error;
 mod parquet;

@@ -1,5 +1,6 @@
 //! From the number of a run to its values, motion and seed.
 
+use super::asked::Asked;
 use super::error::BatchError;
 use super::spec::{HandSpec, MotionSpec, Seeds, SweepSpec, Varied};
 use crate::scenario::{SCENES, change};
@@ -51,6 +52,8 @@ pub struct Plan {
     random: Option<super::spec::RandomSpec>,
     seeds: Seeds,
     pub(super) for_s: f64,
+    /// Columns beside the usual ones.
+    pub(super) columns: Vec<String>,
     /// By motion: its name and its hands by tool.
     pub(super) motions: Vec<(String, BTreeMap<String, HandPlan>)>,
     samples: usize,
@@ -66,6 +69,9 @@ impl Plan {
         if !(spec.for_s > 0.0 && spec.for_s <= MOST_S) {
             let reason = format!("is {}; above 0 and at most {MOST_S} s", spec.for_s);
             return Err(wrong("for_s", reason));
+        }
+        for column in &spec.columns {
+            Asked::named(column).map_err(|reason| wrong("columns", reason))?;
         }
         let mut varied = Vec::new();
         for (key, value) in &spec.vary {
@@ -112,6 +118,7 @@ impl Plan {
             random: spec.random,
             seeds: spec.seeds,
             for_s: spec.for_s,
+            columns: spec.columns,
             motions,
             samples,
         };

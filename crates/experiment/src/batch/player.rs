@@ -1,5 +1,6 @@
 //! One run: its scene, its hands, the loop without clock and bus, and what it came to.
 
+use super::asked::Asked;
 use super::cache::Cache;
 use super::plan::{Case, HandPlan, Plan};
 use palpate_client::device::servo::Servo;
@@ -8,6 +9,7 @@ use palpate_proto::messages::{SceneSnapshot, ToolPose};
 use palpate_record::SessionHash;
 use palpate_sim::scene::file::Loaded;
 use palpate_sim::scene::{Scene, inline_files};
+use palpate_sim::tick::quantity::{Number, ToolTick};
 use palpate_sim::tick::record::{Command, TickInput, TickOutput};
 use palpate_sim::tick::{apply, step};
 use palpate_wire as wire;
@@ -32,6 +34,9 @@ pub struct ToolFigures {
     pub energy_j: f64,
     /// Most that the loop had made at any time, J.
     pub made_j: f64,
+    /// Columns that the sweep asks for; none where no tick had it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub asked: Vec<Option<f64>>,
 }
 
 /// What a run came to.
@@ -104,7 +109,7 @@ impl<'p> Player<'p> {
             return (Outcome::failed(reason, String::new()), false);
         };
         let hands = &self.plan.motions[case.motion].1;
-        let key = key(prepared, hands, case.seed, self.plan.for_s);
+        let key = key(prepared, hands, case.seed, self.plan);
         if let Some(outcome) = cache.and_then(|cache| cache.get(&key)) {
             return (outcome, true);
         }
@@ -124,7 +129,7 @@ impl<'p> Player<'p> {
             Err(error) => return (Outcome::failed(error.clone(), key), false),
         };
         let mut outcome = match Hands::new(&scene, hands, case.seed) {
-            Ok(hands) => play(&scene, hands, self.plan.for_s),
+            Ok(hands) => play(&scene, hands, self.plan),
             Err(error) => Outcome::failed(error, String::new()),
         };
         outcome.key = key;
@@ -163,7 +168,7 @@ fn prepare(plan: &Plan, case: &Case) -> Result<Prepared, String> {
 type HandPlans = std::collections::BTreeMap<String, HandPlan>;
 
 /// SHA-256 of all that decides an outcome, each part with its length before it.
-fn key(prepared: &Prepared, hands: &HandPlans, seed: u64, for_s: f64) -> String {
+fn key(prepared: &Prepared, hands: &HandPlans, seed: u64, plan: &Plan) -> String {
     let mut sha = sha2::Sha256::new();
     let mut add = |text: &str| {
         sha.update((text.len() as u64).to_le_bytes());
@@ -183,7 +188,8 @@ fn key(prepared: &Prepared, hands: &HandPlans, seed: u64, for_s: f64) -> String 
         add(&format!("{:?}", hand.device));
     }
     add(&seed.to_string());
-    add(&for_s.to_bits().to_string());
+    add(&plan.for_s.to_bits().to_string());
+    plan.columns.iter().for_each(|column| add(column));
     sha.finalize().iter().map(|b| format!("{b:02x}")).collect()
 }
 
@@ -294,7 +300,7 @@ impl HandAtWork {
     }
 }
 
-fn play(scene: &Scene, mut hands: Hands, for_s: f64) -> Outcome {
+fn play(scene: &Scene, mut hands: Hands, plan: &Plan) -> Outcome {
     let mut state = scene.initial_state();
     let mut scratch = scene.scratch(&state);
     let mut input = TickInput::for_tools(scene.tool_count());
@@ -310,8 +316,17 @@ fn play(scene: &Scene, mut hands: Hands, for_s: f64) -> Outcome {
             .collect(),
         ..Outcome::default()
     };
+    let [force, depth, energy] =
+        ["force", "depth", "energy"].map(|name| Number::named(name).expect("in the table"));
+    // Names were looked up when the sweep was read.
+    let asked = plan
+        .columns
+        .iter()
+        .flat_map(|name| Asked::named(name))
+        .collect();
+    let mut asked: Vec<Vec<Asked>> = vec![asked; scene.tool_count()];
     let mut session_hash = SessionHash::default();
-    let ticks = (for_s / scene.dt_s).round() as u64;
+    let ticks = (plan.for_s / scene.dt_s).round() as u64;
     for tick in 1..=ticks {
         let time_s = tick as f64 * scene.dt_s;
         for hand in &mut hands.list {
@@ -323,19 +338,25 @@ fn play(scene: &Scene, mut hands: Hands, for_s: f64) -> Outcome {
             hand.hear(&output);
         }
         for (tool, figures) in outcome.tools.iter_mut().enumerate() {
-            let out = &output.tools[tool];
-            let force_n = out.force_n.norm();
+            let of = ToolTick {
+                pose: input.poses[tool].as_ref(),
+                output: &output.tools[tool],
+            };
+            let force_n = force.of(&of);
             if force_n > figures.peak_force_n {
                 (figures.peak_force_n, figures.peak_force_s) = (force_n, time_s);
             }
-            let depth_m = out.contact.map_or(0.0, |contact| contact.depth_m);
-            figures.peak_depth_m = figures.peak_depth_m.max(depth_m);
-            figures.energy_j = out.energy_j;
-            figures.made_j = figures.made_j.max(-out.energy_j);
+            figures.peak_depth_m = figures.peak_depth_m.max(depth.of(&of));
+            figures.energy_j = energy.of(&of);
+            figures.made_j = figures.made_j.max(-figures.energy_j);
+            asked[tool].iter_mut().for_each(|asked| asked.push(&of));
         }
         session_hash.push(tick, output.state_hash);
         outcome.faults += u64::from(output.fault.is_some());
         outcome.state_hash = format!("{:016x}", output.state_hash);
+    }
+    for (figures, asked) in outcome.tools.iter_mut().zip(&asked) {
+        figures.asked = asked.iter().map(Asked::value).collect();
     }
     outcome.ticks = ticks;
     outcome.time_s = ticks as f64 * scene.dt_s;

@@ -40,6 +40,10 @@ pub struct SweepSpec {
     /// Keys of the scene that vary: a list of values, or a range.
     #[serde(default)]
     pub vary: BTreeMap<String, Value>,
+    /// Columns beside the usual ones, by tool: `peak_`, `least_`, `mean_`, `rms_` or `end_` before the name of
+    /// a quantity.
+    #[serde(default)]
+    pub columns: Vec<String>,
     /// Draw values instead of taking all combinations.
     pub random: Option<RandomSpec>,
     /// What moves tools.

@@ -127,6 +127,19 @@ impl Table {
                 table.add(&format!("{tool}.{name}"), figure(&of));
             }
         }
+        for tool in &tools {
+            for (k, name) in plan.columns.iter().enumerate() {
+                let of = |outcome: &Outcome| {
+                    let figures = outcome.tools.iter().find(|figures| figures.tool == *tool)?;
+                    *figures.asked.get(k)?
+                };
+                let name = match tools.len() {
+                    1 => name.clone(),
+                    _ => format!("{tool}.{name}"),
+                };
+                table.add(&name, figure(&of));
+            }
+        }
         let kept = |hash: &String| (!hash.is_empty()).then(|| hash.clone());
         table.add("session_hash", text(&|row| kept(&row.outcome.session_hash)));
         table.add("state_hash", text(&|row| kept(&row.outcome.state_hash)));

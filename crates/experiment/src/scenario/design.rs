@@ -1,10 +1,10 @@
 //! Modeling steps of a run: patches that become one, bodies that are moved apart, pipes.
 
+use super::error::ScenarioError;
 use super::files::Source;
-use super::measure::View;
-use super::play::{Played, RunSettings};
+use super::played::{Played, RunSettings, View};
 use super::scan::picture;
-use super::spec::{IsolateSpec, MergeSpec, PipeSpec, RunSpec, ScenarioError};
+use super::spec::{IsolateSpec, MergeSpec, PipeSpec, RunSpec};
 use super::surfaces::surface_now;
 use palpate_geometry::exchange::{Format, Pick, read_surface, write_surface};
 use palpate_geometry::surface::Surface;

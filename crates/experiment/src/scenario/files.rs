@@ -1,6 +1,6 @@
 //! Where the files of a scenario are: in a folder, or in the program.
 
-use super::spec::ScenarioError;
+use super::error::ScenarioError;
 use std::path::{Path, PathBuf};
 
 macro_rules! builtin {

@@ -1,9 +1,9 @@
 //! What moves tools: a motion that is followed exactly, a force that is kept, taps over a grid, or a
 //! simulated device with a hand on it, near or far away.
 
+use super::error::ScenarioError;
 use super::files::Source;
 use super::scan::{ScanSpec, Scanner};
-use super::spec::ScenarioError;
 use palpate_client::device::{
     Channel, DeviceModel, Hand, Interpolation, Network, Passivity, PassivitySettings, Path,
     SimulatedDevice, Waypoint, devices,

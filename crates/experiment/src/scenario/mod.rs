@@ -10,20 +10,23 @@
 
 pub mod change;
 mod design;
+mod error;
 mod files;
 mod hands;
 mod measure;
 mod play;
+mod played;
 mod report;
 mod scan;
 mod spec;
 mod surfaces;
 
+pub use error::ScenarioError;
 pub use files::{NAMES, SCENES, Source};
-pub use play::RunSettings;
+pub use played::RunSettings;
 pub use report::{Cell, Claimed, Report, Row};
 pub use scan::{StiffnessMap, picture};
-pub use spec::{ScenarioError, ScenarioSpec};
+pub use spec::ScenarioSpec;
 
 use measure::Meter;
 use std::path::PathBuf;

@@ -2,11 +2,12 @@
 
 use super::change;
 use super::design;
+use super::error::ScenarioError;
 use super::files::Source;
 use super::hands::HandAtWork;
-use super::measure::{Meter, View};
-use super::scan::StiffnessMap;
-use super::spec::{CutSpec, RunSpec, ScenarioError};
+use super::measure::Meter;
+use super::played::{Played, RunSettings, View};
+use super::spec::{CutSpec, RunSpec};
 use palpate_drive::journal::Journal;
 use palpate_drive::nets::NetPool;
 use palpate_drive::ports::BUS_NETS;
@@ -21,48 +22,8 @@ use palpate_sim::scene::{Scene, SceneChange, SceneCut, file, inline_files};
 use palpate_sim::tick::record::TickRecord;
 use palpate_sim::tick::stage::{Stage, StageTimes};
 use palpate_sim::tick::{SceneState, Scratch, deform, hash, render};
-use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::{Duration, Instant};
-
-/// How to run one run.
-#[derive(Clone, Debug, Default)]
-pub struct RunSettings {
-    /// Record to this file.
-    pub record: Option<PathBuf>,
-    /// Where surfaces and pictures go.
-    pub out: Option<PathBuf>,
-    /// No longer than this, s.
-    pub most_s: Option<f64>,
-}
-
-/// Where the devices of a run were, tick by tick.
-#[derive(Clone, Debug, Default)]
-pub struct Trace {
-    /// By tool: position in the world, m, and force on the device, N.
-    pub tools: BTreeMap<String, Vec<([f64; 3], f64)>>,
-}
-
-/// What a run came to, beside its meters.
-#[derive(Clone, Debug, Default)]
-pub struct Played {
-    /// Figures of modeling steps, by name.
-    pub values: BTreeMap<String, f64>,
-    /// Of a scan.
-    pub map: Option<StiffnessMap>,
-    /// Of tools.
-    pub trace: Trace,
-    /// Wall time of ticks, µs: median, 99 %, greatest. Not the same twice.
-    pub tick_us: Option<[f64; 3]>,
-    /// Hash of the state after the last tick.
-    pub state_hash: u64,
-    /// Faults, such as a body set back to rest.
-    pub faults: u64,
-    /// Ticks.
-    pub ticks: u64,
-    /// Files written.
-    pub files: Vec<PathBuf>,
-}
 
 /// The scene of a run: that of the folder with its changes, files written out, in lockstep.
 fn scene_of(run: &RunSpec, source: &Source) -> Result<(file::Loaded, Scene), ScenarioError> {
@@ -242,7 +203,7 @@ impl Loop {
             scene: &self.scene,
             state: &self.state,
             scratch: &self.scratch,
-            output: &self.record.output,
+            record: &self.record,
             hands: &self.hands,
             time_s,
         }

@@ -1,8 +1,9 @@
 //! What a scenario came to: a table, the bars it missed, and what the source says.
 
+use super::error::ScenarioError;
 use super::measure::{Look, Meter};
-use super::play::{Played, Trace};
-use super::spec::{RunSpec, ScenarioError, ScenarioSpec};
+use super::played::{Played, Trace};
+use super::spec::{RunSpec, ScenarioSpec};
 use serde::Serialize;
 use std::fmt::Write as _;
 

@@ -4,6 +4,7 @@ mod bag;
 mod csv;
 mod explained;
 mod net;
+mod plot;
 mod reached;
 mod series;
 
@@ -11,12 +12,14 @@ pub use bag::ros2_bag;
 pub use csv::csv;
 pub use explained::explain;
 pub use net::net_at;
-pub use series::{Bucket, BucketedCurve, Series, series};
+pub use plot::plots;
+pub use series::{BucketedCurve, Series, USUAL, series};
 
 use super::channel::{Happening, Topic};
 use super::reader::{Follower, ReadError, Session};
 use super::replay::ReplayError;
 use palpate_geometry::surface::SurfaceError;
+use palpate_sim::tick::quantity::Number;
 use palpate_sim::tick::record::TickRecord;
 
 /// Why something could not be exported.
@@ -40,6 +43,12 @@ pub enum ExportError {
         until: u64,
         /// First and last that there are.
         ticks: Option<(u64, u64)>,
+    },
+    /// No such quantity.
+    #[error("{name:?} is no quantity of a tool; there are {}", quantities())]
+    UnknownQuantity {
+        /// Wanted.
+        name: String,
     },
     /// No such body.
     #[error("no body {body:?}; the scene has {}", bodies.join(", "))]
@@ -99,6 +108,10 @@ impl From<ReadError> for ExportError {
     fn from(error: ReadError) -> Self {
         Self::Replay(ReplayError::Read(error))
     }
+}
+
+fn quantities() -> String {
+    Number::names().collect::<Vec<_>>().join(", ")
 }
 
 fn known(ticks: Option<(u64, u64)>) -> String {

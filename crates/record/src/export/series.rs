@@ -4,6 +4,10 @@
 use super::super::reader::{Session, last_tick_between};
 use super::super::replay::ReplayError;
 use super::{ExportError, Range, dt_s};
+use palpate_sim::tick::quantity::{Number, ToolTick};
+
+/// What a plot shows if nothing else is asked for.
+pub const USUAL: [&str; 3] = ["force", "depth", "energy"];
 
 /// Stretches of time that a curve is divided into at most.
 const BUCKETS: u64 = 800;
@@ -28,28 +32,43 @@ pub struct BucketedCurve {
     pub pieces: Vec<Vec<Bucket>>,
 }
 
-/// Force, depth and energy of each tool, and the time that ticks took.
-#[derive(Clone, Debug, PartialEq)]
+/// A quantity of each tool over time.
+#[derive(Clone, Debug)]
+pub struct Panel {
+    /// What, in its unit of SI.
+    pub number: Number,
+    /// By tool.
+    pub curves: Vec<BucketedCurve>,
+}
+
+/// Quantities of each tool, and the time that ticks took.
+#[derive(Clone, Debug)]
 pub struct Series {
     /// First and last tick, s.
     pub span_s: [f64; 2],
-    /// N, by tool.
-    pub force_n: Vec<BucketedCurve>,
-    /// m, by tool; zero without contact.
-    pub depth_m: Vec<BucketedCurve>,
-    /// J, by tool.
-    pub energy_j: Vec<BucketedCurve>,
+    /// In the order asked for.
+    pub panels: Vec<Panel>,
     /// s.
     pub tick_s: BucketedCurve,
     /// Length of a tick, s.
     pub dt_s: f64,
 }
 
-/// The curves of a range.
+/// The curves of a range, of numbers by their names: [`USUAL`] or others of [`Number::names`].
 ///
 /// # Errors
-/// No tick in the range, or a file that cannot be read.
-pub fn series(session: &Session, range: &Range) -> Result<Series, ExportError> {
+/// A name that there is not, no tick in the range, or a file that cannot be read.
+pub fn series(
+    session: &Session,
+    range: &Range,
+    names: &[impl AsRef<str>],
+) -> Result<Series, ExportError> {
+    let named = names.iter().map(AsRef::as_ref).map(|name| {
+        Number::named(name).ok_or_else(|| ExportError::UnknownQuantity {
+            name: name.to_owned(),
+        })
+    });
+    let numbers = named.collect::<Result<Vec<Number>, ExportError>>()?;
     let (tools, dt_s) = (session.header.names("tools"), dt_s(session));
     let mut records = range.of(session).peekable();
     let first = match records.peek() {
@@ -61,30 +80,31 @@ pub fn series(session: &Session, range: &Range) -> Result<Series, ExportError> {
     };
     let last = last_tick_between(session, first, range.until).map_err(ReplayError::Read)?;
     let ticks = [first, last.unwrap_or(first)];
-    let of_tools = || -> Vec<Drawing> {
+    let of_tools = |_| -> Vec<Drawing> {
         let tools = tools.iter();
         tools
             .map(|name| Drawing::new(name.clone(), ticks, dt_s))
             .collect()
     };
-    let (mut force_n, mut depth_m, mut energy_j) = (of_tools(), of_tools(), of_tools());
+    let mut drawn: Vec<Vec<Drawing>> = numbers.iter().map(of_tools).collect();
     let mut tick_s = Drawing::new("tick".into(), ticks, dt_s);
     for record in records {
         let record = *record?;
         let tick = record.output.tick;
-        for (t, output) in record.output.tools.first(tools.len()).enumerate() {
-            force_n[t].push(tick, output.force_n.norm());
-            depth_m[t].push(tick, output.contact.map_or(0.0, |contact| contact.depth_m));
-            energy_j[t].push(tick, output.energy_j);
+        for (number, drawn) in numbers.iter().zip(&mut drawn) {
+            for (tool, drawing) in drawn.iter_mut().enumerate() {
+                drawing.push(tick, number.of(&ToolTick::of(&record, tool)));
+            }
         }
         tick_s.push(tick, record.stage_ns.total() as f64 * 1e-9);
     }
-    let curves = |drawn: Vec<Drawing>| drawn.into_iter().map(Drawing::finish).collect();
+    let panel = |(number, drawn): (Number, Vec<Drawing>)| Panel {
+        number,
+        curves: drawn.into_iter().map(Drawing::finish).collect(),
+    };
     Ok(Series {
         span_s: ticks.map(|tick| tick as f64 * dt_s),
-        force_n: curves(force_n),
-        depth_m: curves(depth_m),
-        energy_j: curves(energy_j),
+        panels: numbers.into_iter().zip(drawn).map(panel).collect(),
         tick_s: tick_s.finish(),
         dt_s,
     })

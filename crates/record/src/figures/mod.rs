@@ -22,6 +22,7 @@ use palpate_proto::text::without_value;
 use palpate_sim::scene::Scene;
 use palpate_sim::tick::SceneState;
 use palpate_sim::tick::flags;
+use palpate_sim::tick::quantity::{Number, ToolTick};
 use palpate_sim::tick::record::{TickOutput, ToolOutput};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -126,6 +127,8 @@ pub struct BodyFigures {
 #[derive(Clone, Debug)]
 pub(super) struct ToolSum {
     figures: ToolFigures,
+    /// Force, depth, energy and what was dissipated.
+    numbers: [Number; 4],
     ticks: u64,
     squares_n2: f64,
     touching: bool,
@@ -138,6 +141,8 @@ impl ToolSum {
                 id,
                 ..ToolFigures::default()
             },
+            numbers: ["force", "depth", "energy", "dissipated"]
+                .map(|name| Number::named(name).expect("in the table")),
             ticks: 0,
             squares_n2: 0.0,
             touching: false,
@@ -146,23 +151,24 @@ impl ToolSum {
 
     pub fn push(&mut self, tick: u64, output: &ToolOutput) {
         let figures = &mut self.figures;
-        let force_n = output.force_n.norm();
+        let of = ToolTick::from(output);
+        let [force_n, depth_m, energy_j, dissipated_j] = self.numbers.map(|number| number.of(&of));
         self.ticks += 1;
         self.squares_n2 += force_n * force_n;
         figures.peak_force_n = figures.peak_force_n.max(force_n);
         let touching = output.contact.is_some();
-        if let Some(contact) = &output.contact {
+        if touching {
             // A tool that no one holds stays where it was left, and what it presses comes back over it.
             if output.flags & flags::STALE == 0 {
-                figures.peak_depth_m = figures.peak_depth_m.max(contact.depth_m);
+                figures.peak_depth_m = figures.peak_depth_m.max(depth_m);
             }
             figures.contact_ticks += 1;
             figures.contact_phases += u64::from(!self.touching);
             figures.first_contact_tick.get_or_insert(tick);
         }
         self.touching = touching;
-        (figures.energy_j, figures.dissipated_j) = (output.energy_j, output.dissipated_j);
-        figures.peak_energy_j = figures.peak_energy_j.max(output.energy_j.abs());
+        (figures.energy_j, figures.dissipated_j) = (energy_j, dissipated_j);
+        figures.peak_energy_j = figures.peak_energy_j.max(energy_j.abs());
     }
 
     pub fn finish(&self) -> ToolFigures {

@@ -19,6 +19,7 @@ mod late;
 pub(crate) mod load;
 mod motion;
 pub mod quality;
+pub mod quantity;
 pub mod record;
 mod scratch;
 pub mod stage;

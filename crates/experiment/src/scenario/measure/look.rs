@@ -1,13 +1,13 @@
 //! What measures look at.
 
-use super::super::play::Played;
+use super::super::played::{Played, View};
 use super::super::surfaces::{grid, rest_surface, surface_now};
-use super::View;
 use super::edge::{EdgeSpec, Line};
 use super::penetration::deepest_m;
 use super::prism::Prism;
 use palpate_geometry::math::{Point3, Vector3};
 use palpate_sim::scene::Scene;
+use palpate_sim::tick::quantity::{Number, ToolTick};
 use serde::Deserialize;
 
 /// Cells a span of the triangles that volumes are taken of: with 8, the volume of a sphere of 8 × 5
@@ -54,14 +54,16 @@ pub enum Look {
     WeightError { body: String },
     /// Force of all contacts on a body, N.
     ContactForce { body: String },
-    /// Force on a tool's device, N.
+    /// A quantity of a tool by its name, as the table of ticks has it: a vector's length, or one component.
+    Quantity { tool: String, name: String },
+    /// That of this name.
     Force { tool: String },
-    /// Depth of a tool's deepest contact, m.
+    /// That of this name.
     Depth { tool: String },
+    /// That of this name.
+    Energy { tool: String },
     /// Tools in contact.
     Touching {},
-    /// Net work of a tool's device on the loop, J.
-    Energy { tool: String },
     /// What a simulated device gave to the loop at its own port, J; negative: energy was made.
     PortEnergy { tool: String },
     /// Mass of a deforming body, kg.
@@ -88,6 +90,7 @@ pub struct Start {
     body: usize,
     other: usize,
     tool: usize,
+    number: Option<Number>,
     direction: Vector3,
     rest: Vec<Point3>,
     kept: Vec<usize>,
@@ -97,6 +100,17 @@ pub struct Start {
 }
 
 impl Look {
+    /// Tool and name of a quantity, if that is what is looked at.
+    fn quantity(&self) -> Option<(&String, &str)> {
+        Some(match self {
+            Self::Quantity { tool, name } => (tool, name),
+            Self::Force { tool } => (tool, "force"),
+            Self::Depth { tool } => (tool, "depth"),
+            Self::Energy { tool } => (tool, "energy"),
+            _ => return None,
+        })
+    }
+
     /// Finds names, and what is at the start.
     pub fn begin(&self, scene: &Scene) -> Result<Start, String> {
         let body = |id: &String| {
@@ -106,6 +120,18 @@ impl Look {
             (scene.tool_index(id)).ok_or_else(|| format!("measure: the scene has no tool {id:?}"))
         };
         let mut start = Start::default();
+        if let Some((id, name)) = self.quantity() {
+            let unknown = || {
+                let known: Vec<&str> = Number::names().collect();
+                format!(
+                    "measure: {name:?} is no quantity of a tool; there are {}",
+                    known.join(", ")
+                )
+            };
+            start.tool = tool(id)?;
+            start.number = Some(Number::named(name).ok_or_else(unknown)?);
+            return Ok(start);
+        }
         match self {
             Self::Displacement {
                 body: id,
@@ -157,12 +183,14 @@ impl Look {
                 rest_surface(scene, start.body)?;
                 rest_surface(scene, start.other)?;
             }
-            Self::Force { tool: id }
-            | Self::Depth { tool: id }
-            | Self::Energy { tool: id }
-            | Self::PortEnergy { tool: id }
-            | Self::Deviation { tool: id, .. } => start.tool = tool(id)?,
-            Self::Touching {}
+            Self::PortEnergy { tool: id } | Self::Deviation { tool: id, .. } => {
+                start.tool = tool(id)?;
+            }
+            Self::Quantity { .. }
+            | Self::Force { .. }
+            | Self::Depth { .. }
+            | Self::Energy { .. }
+            | Self::Touching {}
             | Self::Result(_)
             | Self::Peaks {}
             | Self::PeakAway { .. }
@@ -178,7 +206,7 @@ impl Look {
             scene,
             state,
             scratch,
-            output,
+            record,
             ..
         } = view;
         let now = |body: usize| surface_now(scene, state, body);
@@ -216,15 +244,14 @@ impl Look {
                 Some((up / (start.mass_kg * gravity.norm()) - 1.0).abs())
             }
             Self::ContactForce { .. } => Some(scratch.contact_force_on(start.body).norm()),
-            Self::Force { .. } => Some(output.tools[start.tool].force_n.norm()),
-            Self::Depth { .. } => {
-                Some((output.tools[start.tool].contact).map_or(0.0, |contact| contact.depth_m))
-            }
+            Self::Quantity { .. }
+            | Self::Force { .. }
+            | Self::Depth { .. }
+            | Self::Energy { .. } => Some(start.number?.of(&ToolTick::of(record, start.tool))),
             Self::Touching {} => {
-                let touching = |t: &usize| output.tools[*t].contact_count > 0;
+                let touching = |t: &usize| record.output.tools[*t].contact_count > 0;
                 Some((0..scene.tool_count()).filter(touching).count() as f64)
             }
-            Self::Energy { .. } => Some(output.tools[start.tool].energy_j),
             Self::PortEnergy { .. } => {
                 let device = view.hands[start.tool].as_ref()?.device()?;
                 Some(device.given_j())

@@ -9,22 +9,9 @@ mod prism;
 
 pub use look::Look;
 
-use super::hands::HandAtWork;
-use super::play::Played;
+use super::played::{Played, View};
 use palpate_sim::scene::Scene;
-use palpate_sim::tick::record::TickOutput;
-use palpate_sim::tick::{SceneState, Scratch};
 use serde::Deserialize;
-
-/// A run at a time.
-pub struct View<'a> {
-    pub scene: &'a Scene,
-    pub state: &'a SceneState,
-    pub scratch: &'a Scratch,
-    pub output: &'a TickOutput,
-    pub hands: &'a [Option<HandAtWork>],
-    pub time_s: f64,
-}
 
 /// `[[measure]]`: a column of the table.
 #[derive(Clone, Debug, PartialEq, Deserialize)]

@@ -1,12 +1,10 @@
 //! `palpate export`: a recording for other programs.
 
-mod plot;
-
 use super::Outcome;
 use anyhow::Context as _;
 use palpate_geometry::exchange::{Format, write_mesh, write_surface};
 use palpate_geometry::surface::file::Unit;
-use palpate_record::{Range, Session, csv, net_at, reduce, ros2_bag, series};
+use palpate_record::{Range, Session, USUAL, csv, net_at, plots, reduce, ros2_bag};
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
@@ -28,6 +26,10 @@ pub struct Args {
     /// Plot force, depth, energy and tick time to this file.
     #[arg(long, value_name = "FILE.svg")]
     svg: Option<PathBuf>,
+    /// Quantities to plot, over tick time: columns of the table, or force, contact_force and the like for
+    /// the length of a vector.
+    #[arg(long, value_name = "NAME", value_delimiter = ',', requires = "svg", default_values = USUAL)]
+    plot: Vec<String>,
     /// Write poses and forces as a bag of ROS 2 (MCAP) into this new directory.
     #[arg(long, value_name = "DIRECTORY")]
     ros2bag: Option<PathBuf>,
@@ -76,7 +78,8 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     if let Some(path) = &args.svg {
         let scene = session.header.run.get("scene").map_or("", String::as_str);
         let name = args.file.file_name().unwrap_or_default().to_string_lossy();
-        let page = plot::page(&format!("{name}: {scene}"), &series(&session, &range)?);
+        let title = format!("{name}: {scene}");
+        let page = plots(&session, &range, &title, &args.plot)?;
         std::fs::write(path, page).with_context(|| path.display().to_string())?;
     }
     if let Some(path) = &args.ros2bag {

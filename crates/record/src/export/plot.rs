@@ -1,7 +1,9 @@
-//! Four panels below each other over one axis of time: force, depth, energy, tick time.
+//! Panels below each other over one axis of time: quantities of tools, then tick time.
 
-use palpate_record::chart::{Axis, COLOURS, Scale, escaped};
-use palpate_record::{Bucket, BucketedCurve, Series};
+use super::super::chart::{Axis, COLOURS, Scale, axis_down, escaped, line_down};
+use super::super::reader::Session;
+use super::series::{Bucket, BucketedCurve, Series, series};
+use super::{ExportError, Range};
 use std::fmt::Write;
 
 const WIDTH: f64 = 1000.0;
@@ -13,7 +15,7 @@ const PANEL: f64 = 180.0;
 const PITCH: f64 = 210.0;
 
 struct Panel<'a> {
-    name: &'static str,
+    name: String,
     curves: &'a [BucketedCurve],
     /// Units of the axis in one of SI.
     scale: f64,
@@ -21,35 +23,44 @@ struct Panel<'a> {
     line: Option<(f64, &'static str)>,
 }
 
-/// The page as SVG.
-pub fn page(title: &str, series: &Series) -> String {
-    let tick_s = std::slice::from_ref(&series.tick_s);
-    let panels = [
+/// Plots of a range as SVG, of quantities by their names ([`USUAL`](super::USUAL) or others).
+///
+/// # Errors
+/// A name that there is not, no tick in the range, or a file that cannot be read.
+pub fn plots(
+    session: &Session,
+    range: &Range,
+    title: &str,
+    names: &[impl AsRef<str>],
+) -> Result<String, ExportError> {
+    Ok(page(title, &series(session, range, names)?))
+}
+
+fn page(title: &str, series: &Series) -> String {
+    let of_tools = series.panels.iter().map(|panel| {
+        let (name, unit) = (panel.number.name(), panel.number.quantity().unit);
+        // What hands do is millimetres and millijoules.
+        let (scale, milli) = match unit {
+            "m" | "J" => (1e3, "m"),
+            _ => (1.0, ""),
+        };
         Panel {
-            name: "force, N",
-            curves: &series.force_n,
-            scale: 1.0,
+            name: match unit {
+                "" => name.to_owned(),
+                _ => format!("{name}, {milli}{unit}"),
+            },
+            curves: &panel.curves,
+            scale,
             line: None,
-        },
-        Panel {
-            name: "depth, mm",
-            curves: &series.depth_m,
-            scale: 1e3,
-            line: None,
-        },
-        Panel {
-            name: "energy, mJ",
-            curves: &series.energy_j,
-            scale: 1e3,
-            line: None,
-        },
-        Panel {
-            name: "tick time, µs",
-            curves: tick_s,
-            scale: 1e6,
-            line: Some((series.dt_s, "due")),
-        },
-    ];
+        }
+    });
+    let mut panels: Vec<Panel<'_>> = of_tools.collect();
+    panels.push(Panel {
+        name: "tick time, µs".into(),
+        curves: std::slice::from_ref(&series.tick_s),
+        scale: 1e6,
+        line: Some((series.dt_s, "due")),
+    });
     let height = TOP + PITCH * panels.len() as f64 + 30.0;
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {height}\" font-family=\"sans-serif\" font-size=\"12\">\n\
@@ -82,32 +93,10 @@ fn draw(svg: &mut String, panel: &Panel<'_>, span_s: [f64; 2], top: f64, last: b
     let y = Axis::new(Scale::Linear, values.map(|value| value * panel.scale));
     let down = |value: f64| bottom - y.share(value * panel.scale) * (bottom - top);
     for (t_s, label) in times(begin, end) {
-        let at = across(t_s);
-        let _ = writeln!(svg, "<path d=\"M{at:.1} {top}V{bottom}\" stroke=\"#ddd\"/>");
-        if last {
-            let _ = writeln!(
-                svg,
-                "<text x=\"{at:.1}\" y=\"{}\" text-anchor=\"middle\">{label}</text>",
-                bottom + 18.0
-            );
-        }
+        let label = if last { label.as_str() } else { "" };
+        line_down(svg, across(t_s), [top, bottom], label);
     }
-    for (at, label) in &y.ticks {
-        let at = bottom - (at - y.low) / (y.high - y.low) * (bottom - top);
-        let _ = writeln!(svg, "<path d=\"M{LEFT} {at:.1}H{RIGHT}\" stroke=\"#ddd\"/>");
-        let _ = writeln!(
-            svg,
-            "<text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{label}</text>",
-            LEFT - 6.0,
-            at + 4.0
-        );
-    }
-    let middle = 0.5 * (top + bottom);
-    let name = escaped(panel.name);
-    let _ = writeln!(
-        svg,
-        "<text transform=\"translate(20 {middle}) rotate(-90)\" text-anchor=\"middle\">{name}</text>"
-    );
+    axis_down(svg, [LEFT, top, RIGHT, bottom], &y, &panel.name);
     if last {
         let middle = 0.5 * (LEFT + RIGHT);
         let _ = writeln!(
@@ -189,7 +178,9 @@ fn times(begin: f64, end: f64) -> Vec<(f64, String)> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::USUAL;
     use super::*;
+    use palpate_sim::tick::quantity::Number;
 
     #[test]
     fn times_are_round_and_few() {
@@ -228,11 +219,13 @@ mod tests {
             }
         };
         let curves: Vec<BucketedCurve> = (0..8).map(curve).collect();
+        let panel = |name: &&str| super::super::series::Panel {
+            number: Number::named(name).unwrap(),
+            curves: curves.clone(),
+        };
         let series = Series {
             span_s: [0.0, 600.0],
-            force_n: curves.clone(),
-            depth_m: curves.clone(),
-            energy_j: curves,
+            panels: USUAL.iter().map(panel).collect(),
             tick_s: curve(0),
             dt_s: 1e-3,
         };
