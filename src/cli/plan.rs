@@ -132,7 +132,7 @@ fn beside_finer(loaded: &Loaded, scene: &Scene) -> anyhow::Result<Vec<RestForce>
             body.lattice.layers = Some(body.layers() + 1);
         }
     }
-    let finer = Scene::build(&finer, &loaded.directory)
+    let finer = Scene::build_with(&finer, &loaded.directory, loaded.methods)
         .map_err(|error| anyhow::anyhow!("with finer nets the scene cannot be built: {error}"))?;
     let mut pressing = Pressing::new(scene);
     let mut poses = Vec::new();

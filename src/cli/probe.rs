@@ -143,8 +143,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         tool.coupling.damping_n_s_m = 0.0;
         tool.coupling.turning_damping_nm_s_rad = 0.0;
     }
-    let scene = Scene::build_to_run(&spec, &loaded.directory);
-    let scene = scene.map_err(|error| loaded.locate(error))?;
+    let scene = loaded.built_to_run(&spec)?;
     super::scenes::warn(&loaded, &scene);
     let tool = match &args.tool {
         Some(id) => scene

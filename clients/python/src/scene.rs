@@ -44,7 +44,9 @@ impl Built {
                 .map_or_else(|| refuse(error), |all| scene_error(&all, shown))
         };
         let effective = inline_files(&loaded.spec, &loaded.directory).map_err(unread)?;
-        let scene = scene::Scene::build_to_run(&effective, &loaded.directory).map_err(refuse)?;
+        let scene = loaded
+            .built_to_run(&effective)
+            .map_err(|error| scene_error(&error, shown))?;
         let told = |finding: &Finding| match dictionary {
             true => format!("{}: {finding}", finding.path),
             false => loaded.message(finding),
@@ -165,6 +167,7 @@ impl Scene {
         std::fs::metadata(&path).map_err(|error| os_error(&path, &error))?;
         let scene = py.detach(|| {
             let loaded = file::load(&path).map_err(|error| scene_error(&error, None))?;
+            let loaded = loaded.with(palpate_thesis::METHODS);
             Built::of(&loaded, false).map(|built| Self {
                 built: Arc::new(built),
             })
@@ -332,5 +335,5 @@ impl Scene {
 pub fn built_from(text: &str, name: &str, directory: &Path, dictionary: bool) -> PyResult<Built> {
     let shown = dictionary.then_some(text);
     let loaded = file::parse(text, name, directory).map_err(|error| scene_error(&error, shown))?;
-    Built::of(&loaded, dictionary)
+    Built::of(&loaded.with(palpate_thesis::METHODS), dictionary)
 }

@@ -11,8 +11,9 @@ use palpate_geometry::math::{Point3, Vector3};
 use palpate_geometry::surface::{Surface, builtin};
 use palpate_sim::body::{
     Deformable, DeformableScratch, DeformableState, Inside, Integrator, Solid, SpringRule,
-    StepMatrix, StepSettings, coordinates_of_controls, preset, transfinite,
+    StepMatrix, StepSettings, coordinates_of_controls, preset,
 };
+use palpate_thesis::cells::transfinite;
 
 /// Samples of the fitted surface in u and v.
 const SAMPLES: usize = 96;

@@ -43,7 +43,8 @@ struct Energy {
 impl World {
     pub(super) fn new(text: &str) -> Result<Self, String> {
         let loaded = file::parse(text, "bench.toml", Path::new(".")).map_err(|e| e.to_string())?;
-        let scene = Scene::build(&loaded.spec, Path::new(".")).map_err(|e| e.to_string())?;
+        let scene = Scene::build_with(&loaded.spec, Path::new("."), palpate_thesis::METHODS)
+            .map_err(|e| e.to_string())?;
         let state = scene.initial_state();
         let scratch = scene.scratch(&state);
         Ok(Self {

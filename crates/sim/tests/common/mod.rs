@@ -23,7 +23,8 @@ impl World {
     pub fn new(text: &str) -> Self {
         let loaded =
             file::parse(text, "test.toml", Path::new(".")).unwrap_or_else(|e| panic!("{e}"));
-        let scene = Scene::build(&loaded.spec, Path::new(".")).unwrap_or_else(|e| panic!("{e}"));
+        let scene = Scene::build_with(&loaded.spec, Path::new("."), palpate_thesis::METHODS)
+            .unwrap_or_else(|e| panic!("{e}"));
         let state = scene.initial_state();
         let scratch = scene.scratch(&state);
         let record = TickRecord::for_tools(scene.tool_count());

@@ -316,6 +316,17 @@ pub enum BuilderSpec {
     Som,
 }
 
+impl BuilderSpec {
+    /// As scenes write it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Layers => "layers",
+            Self::Transfinite => "transfinite",
+            Self::Som => "som",
+        }
+    }
+}
+
 /// `refine = "auto" | "none" | [22, 23] | { focus = [points] } | { u = [knots], v = [knots] }`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]

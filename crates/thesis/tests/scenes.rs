@@ -1,0 +1,52 @@
+//! Scenes that name methods of this crate.
+
+use palpate_sim::scene::SceneError;
+use palpate_sim::scene::file::{self, Loaded};
+use palpate_thesis::METHODS;
+use std::path::Path;
+
+fn drop(body: &str) -> Loaded {
+    let text = format!(
+        "[[body]]\nid = \"drop\"\nsurface = {{ builtin = \"teardrop\" }}\nmodel = \"lattice\"\n{body}\n\
+         [[tool]]\nid = \"pen\"\nshape = {{ sphere = {{ radius_m = 0.005 }} }}\npose = {{ position = [0.2, 0.0, 0.0] }}\n"
+    );
+    file::parse(&text, "drop.toml", Path::new(".")).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// Lines of the file, keys and reasons.
+fn problems(error: &SceneError) -> Vec<(usize, &str, &str)> {
+    let line = |problem: &palpate_sim::scene::Problem| problem.place.as_ref().map_or(0, |p| p.line);
+    (error.problems.iter())
+        .map(|problem| (line(problem), &*problem.path, &*problem.reason))
+        .collect()
+}
+
+#[test]
+fn a_method_that_was_not_passed_is_refused_at_its_line_by_who_has_it() {
+    let cases = [
+        (
+            "lattice = { builder = \"transfinite\", nodes = [8, 8, 8] }",
+            "body[0].lattice.builder",
+        ),
+        (
+            "lattice = { builder = \"som\", nodes = [8, 8, 8] }",
+            "body[0].lattice.builder",
+        ),
+    ];
+    for (body, key) in cases {
+        let loaded = drop(body);
+        let error = loaded.build().unwrap_err();
+        let [(5, path, reason)] = problems(&error)[..] else {
+            panic!("{error}")
+        };
+        assert_eq!(path, key, "{error}");
+        assert!(
+            reason.contains("the program `palpate`") && reason.contains("palpate_thesis::METHODS"),
+            "{error}"
+        );
+        loaded
+            .with(METHODS)
+            .build()
+            .unwrap_or_else(|e| panic!("{e}"));
+    }
+}
