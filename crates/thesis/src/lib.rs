@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! cells    cube lattices in a surface: transfinite, som         (Palpate: layers)
+//! springs  their stiffness, each by itself: seed                (Palpate: moduli)
 //!     └──▶ METHODS ── Loaded::with | Scene::build_with ──▶ a scene that names them
 //! ```
 //! The crates of the product do not know them: each kind has a trait there, which a caller passes to those who build
@@ -11,10 +12,12 @@
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
 pub mod cells;
+pub mod springs;
 
 use palpate_sim::scene::Methods;
 
 /// All of them, by the names that scenes give them.
 pub const METHODS: Methods = Methods {
     cells: &[&cells::Transfinite, &cells::SelfOrganising],
+    springs: &[&springs::Seed],
 };

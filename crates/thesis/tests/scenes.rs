@@ -32,6 +32,10 @@ fn a_method_that_was_not_passed_is_refused_at_its_line_by_who_has_it() {
             "lattice = { builder = \"som\", nodes = [8, 8, 8] }",
             "body[0].lattice.builder",
         ),
+        (
+            "material = { springs = \"seed\" }",
+            "body[0].material.springs",
+        ),
     ];
     for (body, key) in cases {
         let loaded = drop(body);

@@ -5,8 +5,8 @@ use super::{Effort, Row};
 use palpate_geometry::math::{Point3, Rows};
 use palpate_geometry::surface::builtin;
 use palpate_sim::body::{
-    CellGrid, ContinuumLaw, Elastic, Inside, Integrator, Material, Solid, SpringRule, StepSettings,
-    layers, preset,
+    CellGrid, ContinuumLaw, Elastic, Inside, Integrator, Material, Solid, StepSettings, layers,
+    preset,
 };
 use palpate_thesis::cells::{CubeLattice, SomSettings, som, transfinite};
 use std::time::Duration;
@@ -53,13 +53,7 @@ fn springs(case: &str, nodes: usize, effort: Effort, out: &mut dyn FnMut(Row)) {
         integrator: Integrator::Explicit { substeps: 1 },
         sleep_m_s: 0.0,
     };
-    let solid = Solid::whole(
-        &cube,
-        &fixed,
-        1e-3,
-        Inside::Springs(SpringRule::Moduli),
-        |_| material,
-    );
+    let solid = Solid::whole(&cube, &fixed, 1e-3, Inside::Springs, |_| material);
     let Ok(body) = solid.build(&material, settings) else {
         return;
     };

@@ -64,7 +64,7 @@ pub use cells::{Cell, CellGrid, CellQuality, MOST_NODES_A_SIDE};
 pub use core::Made;
 pub use deformable::Deformable;
 pub use elements::continuum::{self, ContinuumError, ContinuumLaw, Elastic, VolumeBarrier};
-pub use elements::springs::{Spring, SpringRule};
+pub use elements::springs::{CellShares, MODULI, Spring, SpringLaw, springs_of_cells};
 pub use elements::{Bend, Edge, MaterialLaw, Weight};
 pub use field::Field;
 pub use following::{Following, Follows, Shape};

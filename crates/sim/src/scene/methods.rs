@@ -7,6 +7,7 @@
 
 use super::door::At;
 use super::spec::LatticeSpec;
+use crate::body::SpringLaw;
 use crate::body::net::Reduced;
 use palpate_geometry::surface::Surface;
 use std::error::Error;
@@ -17,6 +18,8 @@ use std::fmt::Debug;
 pub struct Methods {
     /// Builders of cells.
     pub cells: &'static [&'static dyn CellBuilder],
+    /// Laws of springs.
+    pub springs: &'static [&'static dyn SpringLaw],
 }
 
 /// Places nodes and cells inside the surface of a deforming body.
@@ -40,6 +43,12 @@ impl Methods {
     pub(super) fn cell_builder(self, name: &str, at: &At<'_>) -> Option<&'static dyn CellBuilder> {
         let found = self.cells.iter().find(|builder| builder.name() == name);
         found.copied().or_else(|| absent("builder", name, at))
+    }
+
+    /// The law of springs of this name, or a problem at its key.
+    pub(super) fn spring_law(self, name: &str, at: &At<'_>) -> Option<&'static dyn SpringLaw> {
+        let found = self.springs.iter().find(|law| law.name() == name);
+        found.copied().or_else(|| absent("springs", name, at))
     }
 }
 

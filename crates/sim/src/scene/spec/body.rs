@@ -188,6 +188,16 @@ pub enum SpringsSpec {
     Seed,
 }
 
+impl SpringsSpec {
+    /// As scenes write it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Moduli => "moduli",
+            Self::Seed => "seed",
+        }
+    }
+}
+
 /// `[[body.region]]`: cells of another material, by their centres, in the body's frame. Needs one of
 /// `ball`, `box`; values that are absent are those of the body.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
