@@ -3,6 +3,7 @@
 //! ```text
 //! cells    cube lattices in a surface: transfinite, som         (Palpate: layers)
 //! springs  their stiffness, each by itself: seed                (Palpate: moduli)
+//! spheres  contacts on points of a surface                       (Palpate: on the surface itself)
 //!     └──▶ METHODS ── Loaded::with | Scene::build_with ──▶ a scene that names them
 //! ```
 //! The crates of the product do not know them: each kind has a trait there, which a caller passes to those who build
@@ -12,7 +13,10 @@
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
 pub mod cells;
+pub mod spheres;
 pub mod springs;
+#[cfg(test)]
+mod testing;
 
 use palpate_sim::scene::Methods;
 
@@ -20,4 +24,5 @@ use palpate_sim::scene::Methods;
 pub const METHODS: Methods = Methods {
     cells: &[&cells::Transfinite, &cells::SelfOrganising],
     springs: &[&springs::Seed],
+    contact: &[&spheres::SPHERES],
 };

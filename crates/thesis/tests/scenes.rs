@@ -5,10 +5,10 @@ use palpate_sim::scene::file::{self, Loaded};
 use palpate_thesis::METHODS;
 use std::path::Path;
 
-fn drop(body: &str) -> Loaded {
+fn scene(body: &str, contact: &str) -> Loaded {
     let text = format!(
         "[[body]]\nid = \"drop\"\nsurface = {{ builtin = \"teardrop\" }}\nmodel = \"lattice\"\n{body}\n\
-         [[tool]]\nid = \"pen\"\nshape = {{ sphere = {{ radius_m = 0.005 }} }}\npose = {{ position = [0.2, 0.0, 0.0] }}\n"
+         [[tool]]\nid = \"pen\"\nshape = {{ sphere = {{ radius_m = 0.005 }} }}\npose = {{ position = [0.2, 0.0, 0.0] }}\n{contact}"
     );
     file::parse(&text, "drop.toml", Path::new(".")).unwrap_or_else(|e| panic!("{e}"))
 }
@@ -38,19 +38,26 @@ fn a_method_that_was_not_passed_is_refused_at_its_line_by_who_has_it() {
         ),
     ];
     for (body, key) in cases {
-        let loaded = drop(body);
-        let error = loaded.build().unwrap_err();
-        let [(5, path, reason)] = problems(&error)[..] else {
-            panic!("{error}")
-        };
-        assert_eq!(path, key, "{error}");
-        assert!(
-            reason.contains("the program `palpate`") && reason.contains("palpate_thesis::METHODS"),
-            "{error}"
-        );
-        loaded
-            .with(METHODS)
-            .build()
-            .unwrap_or_else(|e| panic!("{e}"));
+        let loaded = scene(body, "");
+        refused_without(loaded, 5, key);
     }
+    let contact = "[[contact]]\npair = [\"pen\", \"drop\"]\nmethod = \"spheres\"\n";
+    refused_without(scene("", contact), 12, "contact[0].method");
+}
+
+/// Refused at this line and key without the methods, built with them.
+fn refused_without(loaded: Loaded, line: usize, key: &str) {
+    let error = loaded.build().unwrap_err();
+    let [(at, path, reason)] = problems(&error)[..] else {
+        panic!("{error}")
+    };
+    assert_eq!((at, path), (line, key), "{error}");
+    assert!(
+        reason.contains("the program `palpate`") && reason.contains("palpate_thesis::METHODS"),
+        "{error}"
+    );
+    loaded
+        .with(METHODS)
+        .build()
+        .unwrap_or_else(|e| panic!("{e}"));
 }

@@ -9,6 +9,7 @@ use super::door::At;
 use super::spec::LatticeSpec;
 use crate::body::SpringLaw;
 use crate::body::net::Reduced;
+use palpate_geometry::contact::OtherMethod;
 use palpate_geometry::surface::Surface;
 use std::error::Error;
 use std::fmt::Debug;
@@ -20,6 +21,8 @@ pub struct Methods {
     pub cells: &'static [&'static dyn CellBuilder],
     /// Laws of springs.
     pub springs: &'static [&'static dyn SpringLaw],
+    /// Ways to find contacts.
+    pub contact: &'static [&'static OtherMethod],
 }
 
 /// Places nodes and cells inside the surface of a deforming body.
@@ -49,6 +52,12 @@ impl Methods {
     pub(super) fn spring_law(self, name: &str, at: &At<'_>) -> Option<&'static dyn SpringLaw> {
         let found = self.springs.iter().find(|law| law.name() == name);
         found.copied().or_else(|| absent("springs", name, at))
+    }
+
+    /// The way to find contacts of this name, or a problem at its key.
+    pub(super) fn contact_method(self, name: &str, at: &At<'_>) -> Option<&'static OtherMethod> {
+        let found = self.contact.iter().find(|method| method.name == name);
+        found.copied().or_else(|| absent("method", name, at))
     }
 }
 
