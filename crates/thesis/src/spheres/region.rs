@@ -278,7 +278,7 @@ impl SphereRegion {
             ]
         };
         let on = |[i, j]: [u32; 2], step: u32| i.is_multiple_of(step) && j.is_multiple_of(step);
-        // The lower corner of each cell stands for it; on the finest step all corners do.
+        // The lower corner of each cell is taken for it; on the finest step all corners do.
         let enough = |step: &u32| {
             self.part
                 .iter()
