@@ -152,7 +152,7 @@ pub fn scene(bytes: &[u8]) {
                 surface.net = surface.net.map(|net| net.map(|count| count.min(32)));
             }
         }
-        loaded.build().map(drop)
+        loaded.with(palpate_thesis::METHODS).build().map(drop)
     });
     if let Err(error) = checked {
         assert!(!error.to_string().is_empty());

@@ -3,7 +3,12 @@
 use std::path::{Path, PathBuf};
 
 /// What a tick runs through: a change anywhere else cannot change its bits.
-const DECIDING: [&str; 3] = ["crates/geometry/src", "crates/sim/src", "proto/src"];
+const DECIDING: [&str; 4] = [
+    "crates/geometry/src",
+    "crates/sim/src",
+    "crates/thesis/src",
+    "proto/src",
+];
 
 /// And what a run of a batch goes through beside it: simulated devices, motions, figures of a run.
 const DECIDING_RUNS: [&str; 3] = [

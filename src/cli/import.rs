@@ -7,7 +7,6 @@ use anyhow::Context as _;
 use palpate_geometry::exchange::{Format, write_surface};
 use palpate_geometry::surface::Surface;
 use palpate_geometry::surface::file::Unit;
-use palpate_sim::scene::file;
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]
@@ -57,7 +56,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     scenes::write_new(&scene_path, text.as_bytes())?;
     println!("{}", surface_path.display());
     println!("{}", scene_path.display());
-    let checked = check::judge(&file::load(&scene_path)?, false)?;
+    let checked = check::judge(&scenes::read(&scene_path)?, false)?;
     eprintln!(
         "next: palpate serve {} --http 127.0.0.1:8080",
         scene_path.display()

@@ -3,7 +3,6 @@
 use super::Outcome;
 use super::numbers::{self, NumberLine};
 use anyhow::Context as _;
-use palpate_geometry::contact::spheres::{Counters, LevelCounters};
 use palpate_geometry::math::{Point3, Rotation, Vector3};
 use palpate_sim::haptics::DevicePose;
 use palpate_sim::scene::Scene;
@@ -11,6 +10,7 @@ use palpate_sim::solve::rows::Holder;
 use palpate_sim::tick::explain::Explanation;
 use palpate_sim::tick::record::{ContactReport, TickInput};
 use palpate_sim::tick::{apply, record::Command, step, step_explained};
+use palpate_thesis::spheres::{Counters, LevelCounters};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -143,8 +143,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         tool.coupling.damping_n_s_m = 0.0;
         tool.coupling.turning_damping_nm_s_rad = 0.0;
     }
-    let scene = Scene::build_to_run(&spec, &loaded.directory);
-    let scene = scene.map_err(|error| loaded.locate(error))?;
+    let scene = loaded.built_to_run(&spec)?;
     super::scenes::warn(&loaded, &scene);
     let tool = match &args.tool {
         Some(id) => scene
@@ -300,7 +299,11 @@ fn probe(scene: &Scene, tool: usize, pose: &DevicePose, explain: bool) -> ProbeR
         .list()
         .iter()
         .filter(|contact| contact.holder == Holder::Tool(tool as u32));
-    let counters = scratch.spheres_counters(scene);
+    let counters = scratch
+        .other_queries(scene)
+        .filter_map(|(holder, body, query)| {
+            Some((holder, body, palpate_thesis::spheres::counters_of(query)?))
+        });
     let pieces_given_up = Some(scratch.pieces_given_up()).filter(|&count| count > 0);
     let out = &out.tools[tool];
     ProbeRow {

@@ -3,8 +3,8 @@
 use super::Outcome;
 use anyhow::Context as _;
 use palpate_experiment::scenario::SCENES as BUILTIN;
-use palpate_sim::scene::Scene;
 use palpate_sim::scene::file::{self, Loaded};
+use palpate_sim::scene::{Scene, SceneError};
 use std::path::{Path, PathBuf};
 
 /// Reads a scene file, or a scene of the program as `builtin:NAME`.
@@ -16,13 +16,21 @@ pub fn load(scene: &Path) -> anyhow::Result<Loaded> {
         .to_str()
         .and_then(|text| text.strip_prefix("builtin:"))
     {
-        Some(name) => Ok(file::parse(
-            builtin(name)?,
-            &format!("{name}.toml"),
-            Path::new("."),
-        )?),
-        None => Ok(file::load(scene)?),
+        Some(name) => {
+            let name_of_file = format!("{name}.toml");
+            let loaded = file::parse(builtin(name)?, &name_of_file, Path::new("."))?;
+            Ok(loaded.with(palpate_thesis::METHODS))
+        }
+        None => Ok(read(scene)?),
     }
+}
+
+/// Reads a scene file, which may name all methods that this program has.
+///
+/// # Errors
+/// A file that cannot be read or is not a scene.
+pub fn read(file: &Path) -> Result<Loaded, SceneError> {
+    Ok(file::load(file)?.with(palpate_thesis::METHODS))
 }
 
 /// Says what was found about a scene that is about to run.

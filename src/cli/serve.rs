@@ -253,8 +253,7 @@ pub fn serve(
     let unread = |error| loaded.build().err().unwrap_or_else(|| loaded.locate(error));
     let mut effective = inline_files(&loaded.spec, &loaded.directory).map_err(unread)?;
     effective.record.views &= !common.recording.no_views;
-    let scene = Scene::build_to_run(&effective, &loaded.directory);
-    let scene = Arc::new(scene.map_err(|error| loaded.locate(error))?);
+    let scene = Arc::new(loaded.built_to_run(&effective)?);
     super::scenes::warn(loaded, &scene);
     let ros2 = common
         .ros2

@@ -144,7 +144,8 @@ pose = { position = [0.06, 0.003, 0.045] }
 fn build(text: &str, directory: &Path, place: &str) {
     let loaded =
         file::parse(text, place, directory).unwrap_or_else(|e| panic!("{place}: {e}\n{text}"));
-    Scene::build(&loaded.spec, directory).unwrap_or_else(|e| panic!("{place}: {e}\n{text}"));
+    let built = Scene::build_with(&loaded.spec, directory, palpate_thesis::METHODS);
+    built.unwrap_or_else(|e| panic!("{place}: {e}\n{text}"));
 }
 
 /// The base scene, its first body and tool replaced or completed by those of a part.

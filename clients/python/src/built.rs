@@ -36,7 +36,9 @@ impl Built {
                 .map_or_else(|| refuse(error), |all| scene_error(&all, shown))
         };
         let effective = inline_files(&loaded.spec, &loaded.directory).map_err(unread)?;
-        let scene = scene::Scene::build_to_run(&effective, &loaded.directory).map_err(refuse)?;
+        let scene = loaded
+            .built_to_run(&effective)
+            .map_err(|error| scene_error(&error, shown))?;
         let told = |finding: &Finding| match dictionary {
             true => format!("{}: {finding}", finding.path),
             false => loaded.message(finding),

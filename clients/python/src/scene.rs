@@ -68,6 +68,7 @@ impl Scene {
         std::fs::metadata(&path).map_err(|error| os_error(&path, &error))?;
         let scene = py.detach(|| {
             let loaded = file::load(&path).map_err(|error| scene_error(&error, None))?;
+            let loaded = loaded.with(palpate_thesis::METHODS);
             Built::of(&loaded, false).map(|built| Self {
                 built: Arc::new(built),
             })
@@ -235,5 +236,5 @@ impl Scene {
 pub fn built_from(text: &str, name: &str, directory: &Path, dictionary: bool) -> PyResult<Built> {
     let shown = dictionary.then_some(text);
     let loaded = file::parse(text, name, directory).map_err(|error| scene_error(&error, shown))?;
-    Built::of(&loaded, dictionary)
+    Built::of(&loaded.with(palpate_thesis::METHODS), dictionary)
 }

@@ -20,8 +20,8 @@ use self::methods::{Mesh, PARRY};
 use super::measure::{Times, clocked, time};
 use super::{Cases, Effort, Row};
 use palpate_geometry::contact::ContactSet;
-use palpate_geometry::contact::spheres::Spheres;
 use palpate_geometry::surface::Surface;
+use palpate_thesis::spheres::Spheres;
 use std::time::Duration;
 
 pub use self::svg::picture;

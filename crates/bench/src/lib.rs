@@ -181,7 +181,15 @@ pub enum Effort {
     Full,
 }
 
+/// The scene of a text at its start, or what is wrong with it.
+pub(crate) fn parse(text: &str) -> Result<palpate_sim::World, String> {
+    let loaded = palpate_sim::scene::file::parse(text, "bench.toml", std::path::Path::new("."));
+    loaded
+        .and_then(|loaded| palpate_sim::World::of(&loaded.with(palpate_thesis::METHODS)))
+        .map_err(|error| error.to_string())
+}
+
 /// A scene of ours at work.
 pub(crate) fn world(text: &str) -> palpate_sim::World {
-    palpate_sim::World::parse(text).unwrap_or_else(|error| panic!("{text}\n{error}"))
+    parse(text).unwrap_or_else(|error| panic!("{text}\n{error}"))
 }

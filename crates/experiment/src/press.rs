@@ -178,7 +178,7 @@ pub fn beside_finer(loaded: &Loaded, scene: &Arc<Scene>) -> Result<Vec<RestForce
             body.lattice.layers = Some(body.layers() + 1);
         }
     }
-    let finer = Arc::new(Scene::build(&finer, &loaded.directory)?);
+    let finer = Arc::new(loaded.built(&finer)?);
     let mut pressing = Pressing::new(scene);
     let mut poses = Vec::new();
     let coarse = pressed(scene, |input, output| {

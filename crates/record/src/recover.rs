@@ -69,7 +69,7 @@ pub fn recover(source: &Path, target: &Path) -> Result<Recovered, RecoverError> 
 fn scene_of(session: &Session) -> Option<Scene> {
     recorded_spec(&session.header.effective_scene)
         .ok()
-        .and_then(|spec| Scene::build(&spec, Path::new(".")).ok())
+        .and_then(|spec| Scene::build_with(&spec, Path::new("."), palpate_thesis::METHODS).ok())
 }
 
 /// The head of another file that holds this session; `origin`: where it is from.

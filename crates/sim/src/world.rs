@@ -63,8 +63,15 @@ impl World {
     /// # Errors
     /// What is wrong with the scene.
     pub fn parse(text: &str) -> Result<Self, SceneError> {
-        let loaded = file::parse(text, "scene.toml", Path::new("."))?;
-        Ok(Self::start(Scene::build(&loaded.spec, Path::new("."))?))
+        Self::of(&file::parse(text, "scene.toml", Path::new("."))?)
+    }
+
+    /// The scene of a file, at its start.
+    ///
+    /// # Errors
+    /// What is wrong with the scene.
+    pub fn of(loaded: &file::Loaded) -> Result<Self, SceneError> {
+        loaded.build().map(Self::start)
     }
 
     /// Carries out a command before the next tick.

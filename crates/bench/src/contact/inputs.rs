@@ -3,9 +3,9 @@
 use crate::inputs::Random;
 use palpate_geometry::basis::KnotVector;
 use palpate_geometry::contact::implicit::{ImplicitShape, ImplicitTool};
-use palpate_geometry::contact::spheres::Solid;
 use palpate_geometry::math::{Point3, Pose, Rotation, Vector3};
 use palpate_geometry::surface::{ClosestSolver, ControlNet, Direction, Surface, builtin};
+use palpate_thesis::spheres::Solid;
 
 /// Radius of the tool that is a surface, m.
 pub(super) const TOOL_RADIUS_M: f64 = 0.02;

@@ -2,9 +2,9 @@
 
 use crate::inputs::spread;
 use palpate_geometry::contact::mesh::MeshTool;
-use palpate_geometry::contact::spheres::Solid;
 use palpate_geometry::math::{Point3, Pose, Vector3};
 use palpate_geometry::surface::{SampleGrid, Samples, Surface};
+use palpate_thesis::spheres::Solid;
 use parry3d_f64::glamx::{DPose3, DQuat, DVec3};
 use parry3d_f64::query;
 use parry3d_f64::shape::{Ball, HalfSpace, TriMesh, TriMeshFlags};

@@ -9,11 +9,11 @@ use crate::oracle::Oracle;
 use palpate_geometry::contact::exact::{self, ExactScratch};
 use palpate_geometry::contact::implicit::ImplicitSolver;
 use palpate_geometry::contact::mesh::MeshSolver;
-use palpate_geometry::contact::spheres::Solid;
 use palpate_geometry::contact::{ContactSet, Reach};
 use palpate_geometry::math::{Point3, Vector3};
 use palpate_geometry::skin::{Skin, SkinSide, SkinSolver};
 use palpate_geometry::surface::{ClosestSolver, Surface, WarmFoot};
+use palpate_thesis::spheres::Solid;
 
 impl Suite<'_> {
     pub(super) fn ball(

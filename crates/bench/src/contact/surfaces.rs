@@ -7,10 +7,10 @@ use crate::measure::clocked;
 use crate::oracle::Oracle;
 use palpate_geometry::contact::own::SelfSolver;
 use palpate_geometry::contact::pair::{PairSide, PairSolver};
-use palpate_geometry::contact::spheres::{Spheres, SpheresPair};
 use palpate_geometry::contact::{ContactSet, Reach};
 use palpate_geometry::math::{Point3, Pose};
 use palpate_geometry::surface::{ClosestSolver, Surface};
+use palpate_thesis::spheres::{Spheres, SpheresPair};
 
 /// Two surfaces, the second at some poses.
 struct Pair<'a> {

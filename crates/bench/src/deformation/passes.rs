@@ -5,9 +5,10 @@ use super::{Effort, Row};
 use palpate_geometry::math::{Point3, Rows};
 use palpate_geometry::surface::builtin;
 use palpate_sim::body::{
-    ContinuumLaw, CubeLattice, Elastic, Inside, Integrator, Material, Solid, SomSettings,
-    SpringRule, StepSettings, layers, preset, som, transfinite,
+    CellGrid, ContinuumLaw, Elastic, Inside, Integrator, Material, Solid, StepSettings, layers,
+    preset,
 };
+use palpate_thesis::cells::{CubeLattice, SomSettings, som, transfinite};
 use std::time::Duration;
 
 pub(super) fn rows(effort: Effort, wanted: &dyn Fn(&str) -> bool, out: &mut dyn FnMut(Row)) {
@@ -32,17 +33,18 @@ fn calls(effort: Effort) -> (usize, Duration) {
 }
 
 /// A cube of 0.1 m, its lowest nodes fixed.
-fn cube(nodes: usize) -> Option<(CubeLattice, Vec<bool>)> {
-    let cube =
-        CubeLattice::cuboid(&Point3::origin(), &Point3::new(0.1, 0.1, 0.1), [nodes; 3]).ok()?;
-    let fixed = cube.grid.nodes.iter().map(|p| p.z <= 1e-9).collect();
-    Some((cube, fixed))
+fn cube(nodes: usize) -> (CellGrid, Vec<bool>) {
+    let high = Point3::new(0.1, 0.1, 0.1);
+    let cube = CellGrid::cuboid(&Point3::origin(), &high, [nodes; 3]);
+    let fixed = cube.nodes.iter().map(|p| p.z <= 1e-9).collect();
+    (cube, fixed)
 }
 
 /// One pass over the springs of a cube, as explicit steps do many; error: the sum of all forces,
 /// which is zero.
 fn springs(case: &str, nodes: usize, effort: Effort, out: &mut dyn FnMut(Row)) {
-    let (Some((cube, fixed)), Some(gel)) = (cube(nodes), preset("gel")) else {
+    let (cube, fixed) = cube(nodes);
+    let Some(gel) = preset("gel") else {
         return;
     };
     let material: Material = gel.material;
@@ -51,13 +53,7 @@ fn springs(case: &str, nodes: usize, effort: Effort, out: &mut dyn FnMut(Row)) {
         integrator: Integrator::Explicit { substeps: 1 },
         sleep_m_s: 0.0,
     };
-    let solid = Solid::whole(
-        &cube.grid,
-        &fixed,
-        1e-3,
-        Inside::Springs(SpringRule::Moduli),
-        |_| material,
-    );
+    let solid = Solid::whole(&cube, &fixed, 1e-3, Inside::Springs, |_| material);
     let Ok(body) = solid.build(&material, settings) else {
         return;
     };
@@ -89,19 +85,18 @@ fn springs(case: &str, nodes: usize, effort: Effort, out: &mut dyn FnMut(Row)) {
 }
 
 fn continuum(case: &str, nodes: usize, effort: Effort, out: &mut dyn FnMut(Row)) {
-    let Some((cube, _)) = cube(nodes) else { return };
+    let (cube, _) = cube(nodes);
     let elastic = vec![
         Elastic {
             young_pa: 20e3,
             poisson: 0.3
         };
-        cube.grid.cells.len()
+        cube.cells.len()
     ];
-    let Ok(continuum) = ContinuumLaw::new(&cube.grid, &elastic) else {
+    let Ok(continuum) = ContinuumLaw::new(&cube, &elastic) else {
         return;
     };
     let places: Rows = cube
-        .grid
         .nodes
         .iter()
         .enumerate()
@@ -114,8 +109,8 @@ fn continuum(case: &str, nodes: usize, effort: Effort, out: &mut dyn FnMut(Row))
     });
     let note = format!(
         "{} cells, {:.1} ns a cell",
-        cube.grid.cells.len(),
-        times.median_s * 1e9 / cube.grid.cells.len() as f64
+        cube.cells.len(),
+        times.median_s * 1e9 / cube.cells.len() as f64
     );
     let row = Row::new("deformation", case, "continuum");
     out(row.timed(times).saying(note));

@@ -10,9 +10,10 @@ use nalgebra::DMatrix;
 use palpate_geometry::math::{Point3, Vector3};
 use palpate_geometry::surface::{Surface, builtin};
 use palpate_sim::body::{
-    Deformable, DeformableScratch, DeformableState, Inside, Integrator, Solid, SpringRule,
-    StepMatrix, StepSettings, coordinates_of_controls, preset, transfinite,
+    Deformable, DeformableScratch, DeformableState, Inside, Integrator, Solid, StepMatrix,
+    StepSettings, coordinates_of_controls, preset,
 };
+use palpate_thesis::cells::transfinite;
 
 /// Samples of the fitted surface in u and v.
 const SAMPLES: usize = 96;
@@ -155,7 +156,7 @@ impl Refit {
             &cube.grid,
             &fixed,
             surface.volume().abs(),
-            Inside::Springs(SpringRule::Moduli),
+            Inside::Springs,
             |_| material,
         );
         // Contact may push any node of the exterior: the body keeps what that does to all.

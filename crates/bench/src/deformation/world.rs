@@ -37,7 +37,7 @@ struct Energy {
 impl World {
     pub(super) fn new(text: &str) -> Result<Self, String> {
         Ok(Self {
-            run: palpate_sim::World::parse(text).map_err(|e| e.to_string())?,
+            run: crate::parse(text)?,
             ticks_s: Vec::new(),
             work_j: 0.0,
             put_in_j: 0.0,

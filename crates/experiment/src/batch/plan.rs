@@ -216,6 +216,7 @@ impl Plan {
         let mut loaded =
             file::parse(&text, &self.scene_name, &self.directory).map_err(Unread::Scene)?;
         loaded.spec.loop_.clock = Clock::Lockstep;
+        loaded.methods = palpate_thesis::METHODS;
         Ok(loaded)
     }
 }

@@ -46,6 +46,7 @@ fn scene_of(run: &RunSpec, source: &Source) -> Result<(file::Loaded, Scene), Sce
     };
     let mut loaded = file::parse(&text, "scene.toml", Path::new(".")).map_err(at)?;
     loaded.spec.loop_.clock = Clock::Lockstep;
+    loaded.methods = palpate_thesis::METHODS;
     let mut scene = loaded.build_to_run().map_err(at)?;
     for cut in &run.cut {
         let change = cut_at_rest(&scene, cut).map_err(wrong)?;

@@ -3,29 +3,28 @@
 //! shape that the table does not know does not compile.
 //!
 //! ```text
-//! body               a surface                 a surface          a part
-//!                    exact                     spheres            exact
-//! point, sphere      exact::ball               spheres            part::ball
-//! plane              exact::plane              spheres            part::plane
-//! implicit           implicit                  spheres            implicit
-//! mesh               mesh                      spheres            mesh
-//! surface            pair                      spheres on both    mesh, the part's
-//! a body: surface    pair                      spheres on both    mesh, the part's
-//! a body: part       mesh, the part's          refused            mesh, the other part's
-//! the body itself    own                       refused            refused
+//! body               a surface                 a part
+//! point, sphere      exact::ball               part::ball
+//! plane              exact::plane              part::plane
+//! implicit           implicit                  implicit
+//! mesh               mesh                      mesh
+//! surface            pair                      mesh, the part's
+//! a body: surface    pair                      mesh, the part's
+//! a body: part       mesh, the part's          mesh, the other part's
+//! the body itself    own                       refused
 //! ```
 //! A part stands against surfaces and other parts as a solid: its triangles say where to look, and distances are its own.
-//! Surfaces in joined pieces have no `spheres`, nor have parts.
+//! A method that a caller brings ([`OtherMethod`]) stands in the place of all queries of a pair of surfaces.
 
 use super::exact::{self, ExactScratch};
 use super::features::FeatureSearch;
 use super::implicit::ImplicitSolver;
 use super::mesh::{MeshSolver, MeshTool};
+use super::other::{ContactQuery, OtherMethod};
 use super::own::SelfSolver;
 use super::pair::{PairSide, PairSolver};
 use super::part::{self, PartScratch, PartSide, PartSolid};
-use super::placed::{Placed, PlacedSurface, TwoSpheres};
-use super::spheres::{Counters, Spheres};
+use super::placed::PlacedSurface;
 use super::{Contact, ContactSet, Reach, ToolShape};
 use crate::math::{Point3, Pose, Vector3};
 use crate::skin::{Skin, SkinSide, SkinSolver};
@@ -37,8 +36,8 @@ use std::sync::Arc;
 pub enum Method {
     /// On the surface itself.
     Exact,
-    /// On this many points in u and in v.
-    Spheres([usize; 2]),
+    /// As a caller's method does, with this many points in u and in v.
+    Other(&'static OtherMethod, [usize; 2]),
 }
 
 impl Method {
@@ -46,7 +45,7 @@ impl Method {
     pub fn name(self) -> &'static str {
         match self {
             Self::Exact => "exact",
-            Self::Spheres(_) => "spheres",
+            Self::Other(method, _) => method.name,
         }
     }
 }
@@ -87,7 +86,8 @@ impl Party<'_> {
         }
     }
 
-    fn surface(&self) -> Option<&Surface> {
+    /// Its surface, where it is one.
+    pub fn surface(&self) -> Option<&Surface> {
         match self {
             Self::Body(body) => body.skin.surface(),
             Self::Tool(ToolShape::Surface(shape)) => Some(shape.surface()),
@@ -143,7 +143,6 @@ pub fn check(body: BodyShape<'_>, party: Party<'_>, method: Method) -> Result<()
     };
     let is_part = |body: &BodyShape<'_>| body.skin.part().is_some();
     let of_part = is_part(&body) || matches!(&party, Party::Body(other) if is_part(other));
-    let joined = |surface: &Surface| surface.joints().is_some();
     // The part that stands as a solid.
     let solid = match &party {
         Party::Body(other) if is_part(other) => Some(other.solid),
@@ -151,17 +150,15 @@ pub fn check(body: BodyShape<'_>, party: Party<'_>, method: Method) -> Result<()
         _ => None,
     };
     match (party, method) {
-        (Party::Itself, Method::Spheres(_)) => {
-            refuse("its points cannot tell a fold from a wall", EXACT)
-        }
-        (_, Method::Spheres(_)) if of_part => refuse("a part has no rows of points", EXACT),
+        (party, Method::Other(other, _)) => match (other.refuses)(body, party) {
+            Some(why) => refuse(why, EXACT),
+            None if of_part || matches!(party, Party::Itself) => {
+                refuse("it has contacts of two surfaces only", EXACT)
+            }
+            None => Ok(()),
+        },
         (_, Method::Exact) if solid.is_some_and(|solid| solid.is_none()) => {
             Err(without_inside(party, method))
-        }
-        (_, Method::Spheres(_))
-            if body.skin.surface().is_some_and(joined) || party.surface().is_some_and(joined) =>
-        {
-            refuse("the surface is in joined pieces", EXACT)
         }
         _ => Ok(()),
     }
@@ -202,14 +199,10 @@ enum Query {
     Mesh(Box<MeshSolver>),
     /// A tool that is a surface.
     Surface(Box<PairSolver>, Box<PlacedSurface>),
-    /// A tool without a surface, on points of the body's.
-    Spheres(Box<Spheres>),
-    /// A tool that is a surface, on points of both.
-    SurfaceSpheres(Box<TwoSpheres>, Box<PlacedSurface>),
     /// Two bodies.
     Bodies(Box<PairSolver>),
-    /// Two bodies, on points of both.
-    BodiesSpheres(Box<TwoSpheres>),
+    /// By a caller's method; a tool that is a surface is placed.
+    Other(Box<dyn ContactQuery>, Option<Box<PlacedSurface>>),
     /// A body with itself.
     Own(Box<SelfSolver>),
 }
@@ -248,21 +241,18 @@ impl Query {
         let other = party.surface().unwrap_or(body);
         match (party, method) {
             (Party::Itself, _) => Self::Own(Box::new(SelfSolver::new(body))),
-            (Party::Body(_), Method::Exact) => Self::Bodies(Box::new(PairSolver::new(body, other))),
-            (Party::Body(_), Method::Spheres(rows)) => {
-                Self::BodiesSpheres(Box::new(TwoSpheres::new(body, other, rows)))
+            (party, Method::Other(method, rows)) => {
+                let placed = match party {
+                    Party::Tool(ToolShape::Surface(_)) => Some(Box::new(PlacedSurface::new(other))),
+                    _ => None,
+                };
+                Self::Other((method.make)(body, party, rows), placed)
             }
+            (Party::Body(_), Method::Exact) => Self::Bodies(Box::new(PairSolver::new(body, other))),
             (Party::Tool(ToolShape::Surface(_)), Method::Exact) => Self::Surface(
                 Box::new(PairSolver::new(body, other)),
                 Box::new(PlacedSurface::new(other)),
             ),
-            (Party::Tool(ToolShape::Surface(_)), Method::Spheres(rows)) => Self::SurfaceSpheres(
-                Box::new(TwoSpheres::new(body, other, rows)),
-                Box::new(PlacedSurface::new(other)),
-            ),
-            (Party::Tool(_), Method::Spheres(rows)) => {
-                Self::Spheres(Box::new(Spheres::new(body, rows)))
-            }
             (Party::Tool(_), Method::Exact) => {
                 let solver = &mut ClosestSolver::new(body);
                 Self::Simple(Box::new(ExactScratch::new(body, solver)))
@@ -393,23 +383,11 @@ impl Narrow {
                     }
                 }
             }
-            (Query::Spheres(spheres), _, Skin::Surface(surface), _) => {
-                spheres.load(surface);
-                match shape {
-                    ToolShape::Plane { normal } => {
-                        spheres.plane(&place, &(pose.rotation * normal), &reach, set);
-                    }
-                    ToolShape::Implicit { tool, .. } => {
-                        spheres.solid(&Placed::new(&**tool, shape, pose), &reach, set);
-                    }
-                    ToolShape::Mesh(tool) => {
-                        spheres.solid(&Placed::new(&**tool, shape, pose), &reach, set);
-                    }
-                    _ => {
-                        let radius_m = shape.ball_radius_m().unwrap_or(0.0);
-                        spheres.ball(&place, radius_m, &reach, set);
-                    }
+            (Query::Other(query, placed), _, Skin::Surface(surface), _) => {
+                if let (Some(placed), ToolShape::Surface(tool)) = (placed, shape) {
+                    placed.place(tool.surface(), pose);
                 }
+                query.contacts(surface, shape, pose, &reach, set);
             }
             (
                 Query::Surface(found, placed),
@@ -421,17 +399,6 @@ impl Narrow {
                 if let Some(side) = placed.side() {
                     found.contacts(PairSide { surface, solver }, side, reach, set);
                 }
-            }
-            (
-                Query::SurfaceSpheres(two, placed),
-                ToolShape::Surface(tool),
-                Skin::Surface(surface),
-                _,
-            ) => {
-                placed.place(tool.surface(), pose);
-                two.body.load(surface);
-                two.other.load_at(tool.surface(), pose);
-                two.pair.find(&mut two.body, &mut two.other, &reach, set);
             }
             _ => made_for_another(shape),
         }
@@ -463,7 +430,7 @@ impl Narrow {
             },
             ToolShape::Surface(_) => {
                 let (Query::Surface(_, placed)
-                | Query::SurfaceSpheres(_, placed)
+                | Query::Other(_, Some(placed))
                 | Query::PartSolid(_, Whose::BodyAgainst(placed))) = &self.query
                 else {
                     made_for_another(shape);
@@ -528,10 +495,8 @@ impl Narrow {
                 }
                 return solver.side_in_touch();
             }
-            Query::BodiesSpheres(two) => {
-                two.body.load(mine.surface);
-                two.other.load(theirs.surface);
-                two.pair.find(&mut two.body, &mut two.other, &reach, set);
+            Query::Other(query, _) => {
+                query.body_contacts(mine.surface, theirs.surface, &reach, set);
             }
             _ => debug_assert!(false, "this pair was not made for two bodies"),
         }
@@ -550,19 +515,11 @@ impl Narrow {
         }
     }
 
-    /// What the last query of the `spheres` method did.
-    pub fn counters(&self) -> Option<&Counters> {
+    /// What finds the contacts, where that is a caller's method.
+    pub fn other(&self) -> Option<&dyn ContactQuery> {
         match &self.query {
-            Query::Spheres(spheres) => Some(spheres.counters()),
-            Query::SurfaceSpheres(two, _) | Query::BodiesSpheres(two) => Some(two.pair.counters()),
-            Query::Part(_)
-            | Query::PartSolid(..)
-            | Query::Simple(_)
-            | Query::Implicit(_)
-            | Query::Mesh(_)
-            | Query::Surface(..)
-            | Query::Bodies(_)
-            | Query::Own(_) => None,
+            Query::Other(query, _) => Some(&**query),
+            _ => None,
         }
     }
 }

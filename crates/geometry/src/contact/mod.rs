@@ -6,7 +6,7 @@
 //! part              … with a part: faces, edges and vertices
 //! mesh, pair, own   … of a mesh, of two surfaces, of a surface with itself
 //! features          … of corners and edges of a tool, where it has no normal
-//! spheres           the same on sampled points, as fast or as exact as their number
+//! other             … by a method that a caller brings
 //!      └──────────▶ ContactSet: contacts in order of depth, rectangles in touch, overlap
 //! dispatch          which of these answers for a pair
 //! swept             first touch of a tool on its way
@@ -22,6 +22,7 @@ pub mod implicit;
 #[cfg(test)]
 mod joint_tests;
 pub mod mesh;
+mod other;
 pub mod own;
 pub mod pair;
 pub mod part;
@@ -29,11 +30,11 @@ mod placed;
 mod samples;
 mod set;
 mod shape;
-pub mod spheres;
 pub mod swept;
 
 pub use dispatch::Facing;
 pub use features::{Curve, Edge, Features};
+pub use other::{ContactQuery, OtherMethod};
 pub use samples::{ContactSamples, Weights, distance_squared_to_box};
 pub use set::{Contact, ContactSet, MAX_CONTACTS, Reach, Rectangle, ToolPoint};
 pub use shape::{SurfaceShape, ToolShape};

@@ -50,5 +50,9 @@ pub fn played_scene(session: &Session, remap: &[(String, String)]) -> Result<Sce
             });
         }
     }
-    Ok(Scene::build(&spec, Path::new("."))?)
+    Ok(Scene::build_with(
+        &spec,
+        Path::new("."),
+        palpate_thesis::METHODS,
+    )?)
 }

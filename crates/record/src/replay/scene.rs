@@ -11,5 +11,9 @@ use std::path::Path;
 /// A scene that this program cannot read or build.
 pub fn recorded_scene(session: &Session) -> Result<Scene, ReplayError> {
     let spec = recorded_spec(&session.header.effective_scene).map_err(ReplayError::SceneText)?;
-    Ok(Scene::build(&spec, Path::new("."))?)
+    Ok(Scene::build_with(
+        &spec,
+        Path::new("."),
+        palpate_thesis::METHODS,
+    )?)
 }

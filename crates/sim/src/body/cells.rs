@@ -18,6 +18,9 @@ pub struct CellGrid {
     pub node_of_control: Vec<u32>,
 }
 
+/// Most nodes along one axis of cells in rows.
+pub const MOST_NODES_A_SIDE: usize = 128;
+
 /// Gauss points on [0, 1].
 const GAUSS: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
 
@@ -88,6 +91,45 @@ pub const FACES: [[usize; 4]; 6] = [
 ];
 
 impl CellGrid {
+    /// Right-handed cells between `a × b × c` nodes in rows, node (i, j, k) at `(i b + j) c + k`; no node is a control point.
+    pub fn in_rows(counts: [usize; 3], nodes: Vec<Point3>) -> Self {
+        debug_assert_eq!(nodes.len(), counts.iter().product::<usize>(), "all nodes");
+        let steps = counts.map(|n| n.saturating_sub(1));
+        let mut cells = Vec::with_capacity(steps.iter().product());
+        for i in 0..steps[0] {
+            for j in 0..steps[1] {
+                for k in 0..steps[2] {
+                    let corner = |c: usize| {
+                        let [i, j, k] = [i + (c >> 2), j + (c >> 1 & 1), k + (c & 1)];
+                        ((i * counts[1] + j) * counts[2] + k) as u32
+                    };
+                    cells.push(std::array::from_fn(corner));
+                }
+            }
+        }
+        Self {
+            nodes,
+            cells,
+            node_of_control: Vec::new(),
+        }
+    }
+
+    /// A box between two corners, evenly divided by rows of nodes, two or more along each axis.
+    pub fn cuboid(low: &Point3, high: &Point3, counts: [usize; 3]) -> Self {
+        let sides = high - low;
+        let [a, b, c] = counts;
+        let place = |node: usize| {
+            let [i, j, k] = [node / (b * c), node / c % b, node % c];
+            let share = |t: usize, n: usize| t as f64 / (n - 1) as f64;
+            Point3::new(
+                low.x + sides.x * share(i, a),
+                low.y + sides.y * share(j, b),
+                low.z + sides.z * share(k, c),
+            )
+        };
+        Self::in_rows(counts, (0..a * b * c).map(place).collect())
+    }
+
     /// Volume of a cell, m³, however its corners turn.
     pub fn volume(&self, cell: &Cell) -> f64 {
         self.signed_volume(cell).abs()

@@ -5,7 +5,7 @@ use super::cells::{Cell, CellGrid};
 use super::deformable::Deformable;
 use super::elements::MaterialLaw;
 use super::elements::continuum::{ContinuumError, ContinuumLaw, Elastic, VolumeBarrier};
-use super::elements::springs::{self, SpringRule};
+use super::elements::springs::{MODULI, Spring, SpringLaw, springs_of_cells};
 use super::material::Material;
 use super::matter::{Blueprint, Grain};
 use super::node_map::NodeMap;
@@ -13,10 +13,12 @@ use super::settings::{DeformableError, StepSettings};
 use palpate_geometry::math::Point3;
 
 /// What acts between the nodes of cells.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug)]
 pub enum Inside {
     /// Springs between nodes.
-    Springs(SpringRule),
+    Springs,
+    /// The same by another law.
+    SpringsBy(&'static dyn SpringLaw),
     /// Stable neo-Hookean solid.
     Continuum,
     /// The same, for nodes that few smooth coordinates move.
@@ -125,14 +127,15 @@ impl<'a, M: Fn(usize) -> Material> Solid<'a, M> {
             ..elastic(cell)
         };
         let of_cells = || -> Vec<Elastic> { (0..grid.cells.len()).map(firm).collect() };
-        let of_springs = |rule| {
-            let young_pa = |cell| firm(cell).young_pa;
-            let springs = springs::from_cells(grid, young_pa, rule);
-            let law = MaterialLaw::springs(&springs, common.stiffening);
-            law.with_barrier(VolumeBarrier::new(&grid.nodes, &grid.cells, young_pa))
+        let firm_pa = |cell| firm(cell).young_pa;
+        let of = |springs: &[Spring]| {
+            let law = MaterialLaw::springs(springs, common.stiffening);
+            law.with_barrier(VolumeBarrier::new(&grid.nodes, &grid.cells, firm_pa))
         };
+        let of_springs = || of(&springs_of_cells(grid, firm_pa, MODULI));
         let law = match inside {
-            Inside::Springs(rule) => of_springs(rule),
+            Inside::Springs => of_springs(),
+            Inside::SpringsBy(law) => of(&law.springs(grid, &firm_pa)),
             Inside::Continuum => {
                 let mut of_cells = of_cells();
                 soften_slivers(grid, &mut of_cells);
@@ -146,7 +149,7 @@ impl<'a, M: Fn(usize) -> Material> Solid<'a, M> {
                 };
                 let of_cells: Vec<Elastic> = of_cells().into_iter().map(like_springs).collect();
                 // Springs live with cells that no energy does.
-                flat_continuum(grid, &of_cells).unwrap_or_else(|_| of_springs(SpringRule::Moduli))
+                flat_continuum(grid, &of_cells).unwrap_or_else(|_| of_springs())
             }
             // Smooth coordinates leave cells no motion without energy: one point a cell is enough.
             Inside::SmoothContinuum => {

@@ -1,11 +1,11 @@
 //! Repairs cells in layers that a continuum refuses, by moving nodes inside the surface.
 //!
-//! As in [`untangle`](super::untangle), a node of a bad cell tries the mean of its neighbours and steps along the axes, and takes
-//! the place where its cells miss least. Nodes of the surface stay: they are control points.
+//! A node of a bad cell tries the mean of its neighbours and steps along the axes ([`trials`]), and takes the place where
+//! its cells miss least. Nodes of the surface stay: they are control points.
 
 use super::cells::{CellGrid, EDGES};
 use super::elements::continuum::worth;
-use super::untangle::{take_best, trials};
+use super::trials::{take_best, trials};
 use palpate_geometry::math::{Point3, Vector3};
 
 /// Sweeps over the nodes of bad cells at most.

@@ -5,8 +5,8 @@
 //! squares along u and along v. What the weights miss of affine motions is added, so that those are exact.
 
 use super::deformable::Deformable;
-use super::exterior::coordinates_at;
 use super::node_map::SparseRows;
+use super::weights::coordinates_at;
 use palpate_geometry::basis::{Blending, BlendingInverse, KnotVector};
 use palpate_geometry::math::{Matrix3, Point3, Vector3};
 use palpate_geometry::surface::{ClosestSolver, Surface};

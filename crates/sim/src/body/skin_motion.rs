@@ -8,12 +8,12 @@
 
 use super::cells::{Cell, EDGES, gauss_determinants, middle_determinant};
 use super::deformable::Deformable;
-use super::exterior::coordinates_at;
 use super::matter::Matter;
 use super::node_map::{NodeMap, SparseRows};
 use super::state::DeformableState;
 use super::tetrahedra::Tetrahedra;
 use super::through_skin::{Places, ThroughSkin};
+use super::weights::coordinates_at;
 use palpate_geometry::math::{Point3, Vector3};
 use palpate_geometry::surface::{ClosestSolver, Surface};
 use std::collections::BTreeMap;

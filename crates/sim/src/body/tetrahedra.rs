@@ -209,12 +209,12 @@ impl Best {
 
 #[cfg(test)]
 mod tests {
-    use super::super::cube::CubeLattice;
     use super::*;
+    use crate::body::CellGrid;
 
-    fn block() -> (CubeLattice, impl FnMut() -> f64) {
+    fn block() -> (CellGrid, impl FnMut() -> f64) {
         let (low, high) = (Point3::new(-1.0, 0.0, 2.0), Point3::new(1.0, 3.0, 3.0));
-        let block = CubeLattice::cuboid(&low, &high, [5, 6, 4]).unwrap();
+        let block = CellGrid::cuboid(&low, &high, [5, 6, 4]);
         let mut state = 3_u64;
         let random = move || {
             state = state
@@ -228,11 +228,11 @@ mod tests {
     #[test]
     fn affine_motions_are_exact_inside_and_outside() {
         let (mut block, mut random) = block();
-        for node in &mut block.grid.nodes {
+        for node in &mut block.nodes {
             *node += Vector3::new(random(), random(), random()) * 0.05;
         }
-        let nodes = &block.grid.nodes;
-        let found = Tetrahedra::new(&block.grid.cells, nodes).unwrap();
+        let nodes = &block.nodes;
+        let found = Tetrahedra::new(&block.cells, nodes).unwrap();
         let map = Matrix3::new(1.0, 0.2, -0.4, 0.1, 0.7, 0.3, -0.2, 0.5, 1.3);
         for _ in 0..2_000 {
             let place = Point3::new(
@@ -255,7 +255,7 @@ mod tests {
     #[test]
     fn a_place_inside_has_shares_from_0_to_1() {
         let (block, mut random) = block();
-        let found = Tetrahedra::new(&block.grid.cells, &block.grid.nodes).unwrap();
+        let found = Tetrahedra::new(&block.cells, &block.nodes).unwrap();
         for _ in 0..2_000 {
             let place = Point3::new(random() * 2.0 - 1.0, random() * 3.0, random() + 2.0);
             let shares = found.shares(&place);

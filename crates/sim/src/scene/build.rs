@@ -1,6 +1,7 @@
 //! From a scene file's data to the constants of a simulation.
 
 use super::door::{At, Door, SceneError};
+use super::methods::Methods;
 use super::pairs::{self, Frictions};
 use super::spec::{MAX_TOOLS, SceneSpec};
 use super::{Body, BodyModel, FrameOf, Pair, Scene, Tool, model, mover, tool};
@@ -37,16 +38,29 @@ impl Scene {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn build(spec: &SceneSpec, directory: &Path) -> Result<Self, SceneError> {
-        Self::build_with(spec, directory, &[])
+        Self::build_with(spec, directory, Methods::default())
     }
 
-    /// [`Scene::build`], with bodies that are ready, by index.
-    pub(super) fn build_with(
+    /// [`Scene::build`] of a scene that may name these methods.
+    ///
+    /// # Errors
+    /// As [`Scene::build`].
+    pub fn build_with(
         spec: &SceneSpec,
         directory: &Path,
+        methods: Methods,
+    ) -> Result<Self, SceneError> {
+        Self::build_from(spec, directory, methods, &[])
+    }
+
+    /// [`Scene::build_with`], with bodies that are ready, by index.
+    pub(super) fn build_from(
+        spec: &SceneSpec,
+        directory: &Path,
+        methods: Methods,
         ready: &[Option<Arc<Body>>],
     ) -> Result<Self, SceneError> {
-        let door = Door::new(directory);
+        let door = Door::new(directory).with(methods);
         let mut built = scene(spec, ready, &door.top());
         if let Some(scene) = &mut built {
             scene.notes = door.notes();
@@ -117,6 +131,7 @@ fn scene(spec: &SceneSpec, ready: &[Option<Arc<Body>>], top: &At<'_>) -> Option<
         tools,
         pairs,
         frame,
+        methods: top.methods(),
         notes: Vec::new(),
         warnings: Vec::new(),
     })

@@ -9,6 +9,7 @@
 //! change replays alone.
 
 use super::door::{Door, SceneError};
+use super::methods::Methods;
 use super::spec::{
     BodySpec, ContactSpec, FixedSpec, ModelSpec, PoseSpec, RefineAuto, RefineSpec, SceneSpec,
     SurfaceSpec,
@@ -64,6 +65,8 @@ pub struct SceneChange {
     origins: Vec<Origin>,
     /// By body: those that need not be built.
     pub(super) ready: Vec<Option<Arc<Body>>>,
+    /// Those of the scene before.
+    methods: Methods,
 }
 
 impl SceneChange {
@@ -80,6 +83,7 @@ impl SceneChange {
         let ready = origins.iter().map(|origin| stays(origin).cloned());
         Self {
             ready: ready.collect(),
+            methods: scene.methods,
             spec,
             origins,
         }
@@ -90,7 +94,7 @@ impl SceneChange {
     /// # Errors
     /// As [`Scene::build_to_run`].
     pub fn build_to_run(&self) -> Result<Scene, SceneError> {
-        Scene::build_with(&self.spec, Path::new(""), &self.ready)?.checked_to_run()
+        Scene::build_from(&self.spec, Path::new(""), self.methods, &self.ready)?.checked_to_run()
     }
 
     /// The next scene as a file.

@@ -8,6 +8,7 @@
 //! A check gives the value back, so what is built from it needs no second check; `None` means that
 //! a problem was written down and that nothing can be built from the value.
 
+use super::methods::Methods;
 use palpate_geometry::math::{MOST_COORDINATE_M, Pose, Rotation, Vector3, direction_of};
 use std::cell::RefCell;
 use std::fmt::{self, Display};
@@ -109,6 +110,7 @@ impl SceneError {
 pub(super) struct Door<'d> {
     /// Where relative paths of the scene start.
     directory: &'d Path,
+    methods: Methods,
     problems: RefCell<Vec<Problem>>,
     /// Path and text of what is taken otherwise than a file says.
     notes: RefCell<Vec<(String, String)>>,
@@ -118,9 +120,15 @@ impl<'d> Door<'d> {
     pub fn new(directory: &'d Path) -> Self {
         Self {
             directory,
+            methods: Methods::default(),
             problems: RefCell::default(),
             notes: RefCell::default(),
         }
+    }
+
+    /// The same with methods that the scene may name.
+    pub fn with(self, methods: Methods) -> Self {
+        Self { methods, ..self }
     }
 
     /// The top of the scene.
@@ -180,6 +188,11 @@ impl<'d> At<'d> {
             door: self.door,
             path: format!("{}[{index}]", self.path),
         }
+    }
+
+    /// Methods that the scene may name beside those of this crate.
+    pub fn methods(&self) -> Methods {
+        self.door.methods
     }
 
     /// Where relative paths of the scene start.

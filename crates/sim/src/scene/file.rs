@@ -4,6 +4,7 @@
 mod spans;
 
 use super::door::{Place, Problem, SceneError, nearest};
+use super::methods::Methods;
 use super::spec::SceneSpec;
 use super::{Finding, Scene};
 use serde::Deserialize as _;
@@ -26,6 +27,8 @@ pub struct Loaded {
     pub directory: PathBuf,
     /// SHA-256 of the text.
     pub sha256: [u8; 32],
+    /// Methods that it may name beside those of this crate; none as read.
+    pub methods: Methods,
 }
 
 /// Reads a scene file: its syntax and its keys. [`Loaded::build`] checks the values.
@@ -87,6 +90,7 @@ pub fn parse(text: &str, name: &str, directory: &Path) -> Result<Loaded, SceneEr
         name: name.to_owned(),
         directory: directory.to_owned(),
         sha256,
+        methods: Methods::default(),
     })
 }
 
@@ -130,12 +134,17 @@ fn take_out(table: &mut DeTable<'_>, key: &Range<usize>) -> bool {
 }
 
 impl Loaded {
+    /// The same, to be built with these methods.
+    pub fn with(self, methods: Methods) -> Self {
+        Self { methods, ..self }
+    }
+
     /// Checks and builds the scene.
     ///
     /// # Errors
     /// Everything that is wrong with it, each problem with its line, in order of lines.
     pub fn build(&self) -> Result<Scene, SceneError> {
-        Scene::build(&self.spec, &self.directory).map_err(|error| self.locate(error))
+        self.built(&self.spec)
     }
 
     /// As [`Loaded::build`], for a scene that is to run: [`Scene::build_to_run`].
@@ -143,7 +152,24 @@ impl Loaded {
     /// # Errors
     /// Everything that is wrong with it, each problem with its line, in order of lines.
     pub fn build_to_run(&self) -> Result<Scene, SceneError> {
-        Scene::build_to_run(&self.spec, &self.directory).map_err(|error| self.locate(error))
+        self.built_to_run(&self.spec)
+    }
+
+    /// [`Loaded::build`] of what was made of the scene that this file holds.
+    ///
+    /// # Errors
+    /// As [`Loaded::build`].
+    pub fn built(&self, spec: &SceneSpec) -> Result<Scene, SceneError> {
+        Scene::build_with(spec, &self.directory, self.methods).map_err(|error| self.locate(error))
+    }
+
+    /// [`Loaded::build_to_run`] of what was made of the scene that this file holds.
+    ///
+    /// # Errors
+    /// As [`Loaded::build_to_run`].
+    pub fn built_to_run(&self, spec: &SceneSpec) -> Result<Scene, SceneError> {
+        Scene::build_to_run_with(spec, &self.directory, self.methods)
+            .map_err(|error| self.locate(error))
     }
 
     /// A finding about the scene, with its line.

@@ -14,6 +14,7 @@ mod findings;
 mod free;
 mod layout;
 mod mass;
+mod methods;
 mod model;
 mod mover;
 mod pairs;
@@ -33,6 +34,7 @@ pub use door::{Place, Problem, SceneError};
 pub use findings::{Finding, FindingKind};
 pub(crate) use free::Free;
 pub(crate) use mass::Mass;
+pub use methods::{CellBuilder, Methods};
 pub(crate) use mover::{MovedBy, Mover, SPEED_MAX_M_S, TURNING_MAX_RAD_S, between, smooth};
 pub(crate) use parts::{Body, BodyModel, DeformingBody, FrameOf, Pair, Tool};
 pub use schema::schema;
@@ -68,6 +70,8 @@ pub struct Scene {
     pub(crate) pairs: Vec<Pair>,
     /// The tool that carries the bodies.
     pub(crate) frame: Option<FrameOf>,
+    /// With which it was built.
+    methods: Methods,
     /// Path and text of what was taken otherwise than its files say.
     notes: Vec<(String, String)>,
     warnings: Vec<Finding>,

@@ -206,8 +206,12 @@ pub(super) fn build(
             ContactMethod::None => pairs.retain(|pair| !named(pair)),
             ContactMethod::Spheres => {
                 let resolution = contact.resolution.unwrap_or(SPHERES_RESOLUTION);
+                let at = top.key("contact").entry(c);
+                let Some(method) = top.methods().contact_method("spheres", &at) else {
+                    continue;
+                };
                 for pair in pairs.iter_mut().filter(|pair| named(pair)) {
-                    pair.method = Method::Spheres(resolution);
+                    pair.method = Method::Other(method, resolution);
                     chosen.push((pair.holder, pair.body, c));
                 }
             }

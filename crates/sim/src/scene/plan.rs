@@ -151,7 +151,7 @@ pub struct PairPlan {
     /// Body id.
     pub body: String,
     /// What is done for it.
-    pub method: &'static str,
+    pub method: String,
 }
 
 /// A stage of a tick with its predicted cost on one core of a current machine.
@@ -200,10 +200,7 @@ fn query_us(scene: &Scene, pair: &Pair) -> f64 {
     };
     match pair.method {
         Method::Exact => exact,
-        // Points of one surface or of two.
-        Method::Spheres([u, v]) => {
-            (u * v) as f64 * if exact == two_surfaces { 0.15 } else { 0.015 }
-        }
+        Method::Other(method, points) => (method.query_us)(points, exact == two_surfaces),
     }
 }
 
@@ -356,13 +353,12 @@ impl Scene {
                     tool: self.holder_id(pair).to_owned(),
                     body: self.bodies[pair.body].id.clone(),
                     method: match (pair.method, &self.bodies[pair.body].model) {
-                        (Method::Exact, BodyModel::Rigid) => "exact",
+                        (method, BodyModel::Rigid) => method.name().to_owned(),
                         (Method::Exact, BodyModel::Deforming(_)) => {
-                            "exact feet and samples, on the body's compliance"
+                            "exact feet and samples, on the body's compliance".to_owned()
                         }
-                        (Method::Spheres(_), BodyModel::Rigid) => "spheres",
-                        (Method::Spheres(_), BodyModel::Deforming(_)) => {
-                            "spheres and samples, on the body's compliance"
+                        (Method::Other(method, _), BodyModel::Deforming(_)) => {
+                            format!("{} and samples, on the body's compliance", method.name)
                         }
                     },
                 })

@@ -16,8 +16,8 @@ use crate::solve::motions::Motions;
 use crate::solve::problem::ContactProblem;
 use crate::solve::rows::{MAX_ROWS_PER_PAIR, RowSet, SampleInTouch};
 use crate::solve::solver::Solver;
+use palpate_geometry::contact::ContactQuery;
 use palpate_geometry::contact::dispatch::Narrow;
-use palpate_geometry::contact::spheres::Counters;
 use palpate_geometry::skin::SkinSolver;
 use palpate_geometry::surface::Surface;
 
@@ -63,17 +63,17 @@ impl Scratch {
         solvers.map(SkinSolver::pieces_given_up).sum()
     }
 
-    /// What the last queries of the `spheres` method did, by pair: holder, body, counters.
-    pub fn spheres_counters<'a>(
+    /// What finds contacts where that is a method of who built the scene, by pair: holder, body, query.
+    pub fn other_queries<'a>(
         &'a self,
         scene: &'a Scene,
-    ) -> impl Iterator<Item = (&'a str, &'a str, &'a Counters)> {
+    ) -> impl Iterator<Item = (&'a str, &'a str, &'a dyn ContactQuery)> {
         let pairs = scene.pairs.iter().zip(&self.pairs);
         pairs.filter_map(|(pair, scratch)| {
             Some((
                 scene.holder_id(pair),
                 scene.body_id(pair.body),
-                scratch.counters()?,
+                scratch.other()?,
             ))
         })
     }

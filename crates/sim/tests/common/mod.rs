@@ -3,6 +3,8 @@
 
 use palpate_geometry::math::{Point3, Vector3};
 use palpate_sim::haptics::DevicePose;
+use palpate_sim::scene::file;
+use std::path::Path;
 
 pub use palpate_sim::World;
 
@@ -16,7 +18,9 @@ pub trait Laws: Sized {
 
 impl Laws for World {
     fn new(text: &str) -> Self {
-        Self::parse(text).unwrap_or_else(|e| panic!("{e}"))
+        let loaded = file::parse(text, "test.toml", Path::new("."));
+        let world = loaded.and_then(|loaded| Self::of(&loaded.with(palpate_thesis::METHODS)));
+        world.unwrap_or_else(|e| panic!("{e}"))
     }
 
     /// Mean of a body's control points, m; `net` has room for them.

@@ -847,7 +847,7 @@ fn what_is_ready_goes_on_as_what_its_file_says() {
             let done = try_cut(world, "jelly", &plane, 0.0).unwrap_or_else(|e| panic!("{e}"));
             let next = match k {
                 0 => done.change.build_to_run(),
-                _ => Scene::build(done.change.spec(), Path::new(".")),
+                _ => Scene::build_with(done.change.spec(), Path::new("."), palpate_thesis::METHODS),
             };
             follow(world, next.unwrap_or_else(|e| panic!("{e}")), &done);
         }

@@ -6,7 +6,7 @@ use std::path::Path;
 /// Why a scene is refused.
 fn refusal(text: &str) -> String {
     file::parse(text, "s.toml", Path::new("."))
-        .and_then(|loaded| loaded.build())
+        .and_then(|loaded| loaded.with(palpate_thesis::METHODS).build())
         .map_or_else(|error| error.to_string(), |_| String::new())
 }
 
@@ -231,6 +231,7 @@ fn what_does_not_go_together_names_its_key() {
     for (text, key, why) in cases {
         let error = file::parse(&text, "s.toml", Path::new("."))
             .unwrap()
+            .with(palpate_thesis::METHODS)
             .build()
             .unwrap_err();
         let found = error

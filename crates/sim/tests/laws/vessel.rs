@@ -475,7 +475,7 @@ fn a_refined_vessel_keeps_its_joints() {
 fn solids_and_spheres_are_refused_with_what_to_use_instead() {
     let build = |text: &str| {
         let loaded = file::parse(text, "test.toml", Path::new(".")).unwrap();
-        let error = Scene::build(&loaded.spec, Path::new("."))
+        let error = Scene::build_with(&loaded.spec, Path::new("."), palpate_thesis::METHODS)
             .map(|_| ())
             .unwrap_err();
         assert_eq!(error.problems.len(), 1, "{error}");

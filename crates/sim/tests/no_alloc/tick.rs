@@ -326,10 +326,10 @@ fn a_tick_of_a_plane_allocates_nothing() {
 /// Balls, points, planes and another surface, in touch and apart, on a net that moves.
 #[test]
 fn contacts_by_spheres_allocate_nothing() {
-    use palpate_geometry::contact::spheres::{Spheres, SpheresPair};
     use palpate_geometry::contact::{ContactSet, Reach};
     use palpate_geometry::math::{Point3, Pose, Vector3};
     use palpate_geometry::surface::builtin;
+    use palpate_thesis::spheres::{Spheres, SpheresPair};
 
     let mut body = builtin("teardrop", None, None).unwrap();
     let tool = builtin("sphere", None, Some(0.02)).unwrap();

@@ -49,7 +49,7 @@ pub(super) fn outcomes(setup: &Setup) -> Vec<Outcome> {
 }
 
 pub(super) fn ours(setup: &Setup) -> Result<Vec<Frame>, String> {
-    let mut world = World::parse(&setup.text()).map_err(|e| e.to_string())?;
+    let mut world = crate::parse(&setup.text())?;
     let first = usize::from(setup.floor);
     let bodies = first..first + setup.things.len();
     let mut tick = || {

@@ -3,12 +3,10 @@ use crate::contact::SurfaceShape;
 use crate::contact::implicit::ImplicitShape;
 use crate::surface::builtin;
 
-const METHODS: [Method; 2] = [Method::Exact, Method::Spheres([20, 20])];
-
 /// A ball tool as each shape, the sheet z = 0 as the body: what touches is found by every query
 /// of the table.
 #[test]
-fn every_tool_shape_touches_by_both_methods() {
+fn every_tool_shape_touches() {
     let sheet = Skin::from(builtin("sheet", Some([7, 7]), Some(0.1)).unwrap());
     let radius_m = 0.01;
     let implicit = ImplicitShape::Sphere { radius_m };
@@ -34,39 +32,23 @@ fn every_tool_shape_touches_by_both_methods() {
             _ => radius_m,
         };
         let pose = Pose::translation(0.003, 0.001, low_m - 1e-3);
-        for method in METHODS {
-            let mut narrow = Narrow::new((&sheet).into(), Party::Tool(&shape), method).unwrap();
-            let body = SkinSide {
-                skin: &sheet,
-                solver: &mut SkinSolver::new(&sheet),
-            };
-            let reach = Reach {
-                margin_m: 1e-4,
-                below: false,
-                closing_m: 0.0,
-            };
-            narrow.contacts(&shape, &pose, body, reach);
-            let depth = narrow.set.deepest().map(|contact| contact.depth_m);
-            assert!(
-                depth.is_some_and(|depth| (depth - 1e-3).abs() < 3e-4),
-                "{} {method:?}: {depth:?}",
-                shape.name()
-            );
-            assert_eq!(
-                narrow.counters().is_some(),
-                method != Method::Exact,
-                "{}",
-                shape.name()
-            );
-        }
+        let mut narrow = Narrow::new((&sheet).into(), Party::Tool(&shape), Method::Exact).unwrap();
+        let body = SkinSide {
+            skin: &sheet,
+            solver: &mut SkinSolver::new(&sheet),
+        };
+        let reach = Reach {
+            margin_m: 1e-4,
+            below: false,
+            closing_m: 0.0,
+        };
+        narrow.contacts(&shape, &pose, body, reach);
+        let depth = narrow.set.deepest().map(|contact| contact.depth_m);
+        assert!(
+            depth.is_some_and(|depth| (depth - 1e-3).abs() < 3e-4),
+            "{}: {depth:?}",
+            shape.name()
+        );
+        assert!(narrow.other().is_none(), "{}", shape.name());
     }
-}
-
-#[test]
-fn a_body_against_itself_on_points_is_refused_by_name() {
-    let sheet = Skin::from(builtin("sheet", None, None).unwrap());
-    let refused = Narrow::new((&sheet).into(), Party::Itself, METHODS[1]).unwrap_err();
-    assert_eq!((refused.party, refused.method), ("itself", "spheres"));
-    assert!(refused.to_string().contains("use method = \"exact\""));
-    assert!(Narrow::new((&sheet).into(), Party::Itself, METHODS[0]).is_ok());
 }

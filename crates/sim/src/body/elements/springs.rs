@@ -12,6 +12,7 @@
 use crate::body::cells::{CellGrid, EDGES, FACES};
 use palpate_geometry::math::Point3;
 use std::collections::BTreeMap;
+use std::fmt::Debug;
 
 /// A linear spring between two nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,16 +27,29 @@ pub struct Spring {
     pub rest_length_m: f64,
 }
 
-/// How stiffness follows from a modulus.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum SpringRule {
-    /// Isotropic, with the modulus asked for.
-    #[default]
-    Moduli,
-    /// K = E A / L for every spring by itself, as the thesis has it; with A = V / L of the cells
-    /// around. Too stiff, as springs side by side each count as if they were alone.
-    Seed,
+/// How the springs of a solid follow from its modulus, where that is not as [`MODULI`] has it.
+pub trait SpringLaw: Debug + Sync {
+    /// What scenes name it: `springs = "…"`.
+    fn name(&self) -> &'static str;
+
+    /// All springs of a solid, ordered by their nodes. `young_pa`: modulus of each cell.
+    fn springs(&self, grid: &CellGrid, young_pa: &dyn Fn(usize) -> f64) -> Vec<Spring>;
 }
+
+/// What every cell gives its springs, as parts of E V / l².
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CellShares {
+    /// Each of its edges.
+    pub edge: f64,
+    /// Each of its face diagonals.
+    pub diagonal: f64,
+}
+
+/// An isotropic solid with the modulus asked for.
+pub const MODULI: CellShares = CellShares {
+    edge: 0.4 * 0.25,
+    diagonal: 0.4,
+};
 
 /// Sums shares of springs, whose order is that of their nodes.
 struct Shares<'a> {
@@ -71,18 +85,14 @@ impl Shares<'_> {
 }
 
 /// All springs of a solid, ordered by their nodes. `young_pa`: modulus of each cell.
-pub fn from_cells(
+pub fn springs_of_cells(
     grid: &CellGrid,
     young_pa: impl Fn(usize) -> f64,
-    rule: SpringRule,
+    CellShares { edge, diagonal }: CellShares,
 ) -> Vec<Spring> {
     let mut shares = Shares {
         nodes: &grid.nodes,
         stiffness: BTreeMap::new(),
-    };
-    let (edge, diagonal) = match rule {
-        SpringRule::Moduli => (0.4 * 0.25, 0.4),
-        SpringRule::Seed => (0.25, 0.5),
     };
     for (c, cell) in grid.cells.iter().enumerate() {
         let scale = young_pa(c) * grid.volume(cell);

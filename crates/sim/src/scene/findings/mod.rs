@@ -14,6 +14,7 @@ mod unused;
 mod usual;
 
 use super::door::{Problem, SceneError};
+use super::methods::Methods;
 use super::spec::SceneSpec;
 use super::{BodyModel, Scene};
 use palpate_geometry::math::{Pose, Rotation, Vector3};
@@ -80,7 +81,19 @@ impl Scene {
     /// # Errors
     /// As [`Scene::build`], and what must not run.
     pub fn build_to_run(spec: &SceneSpec, directory: &Path) -> Result<Self, SceneError> {
-        Self::build(spec, directory)?.checked_to_run()
+        Self::build_to_run_with(spec, directory, Methods::default())
+    }
+
+    /// [`Scene::build_to_run`] of a scene that may name these methods.
+    ///
+    /// # Errors
+    /// As [`Scene::build_to_run`].
+    pub fn build_to_run_with(
+        spec: &SceneSpec,
+        directory: &Path,
+        methods: Methods,
+    ) -> Result<Self, SceneError> {
+        Self::build_with(spec, directory, methods)?.checked_to_run()
     }
 
     /// Refuses what is found wrong, and keeps all else that is found.

@@ -3,7 +3,7 @@
 use super::Inputs;
 use crate::body::layers;
 use crate::body::net::Reduced;
-use crate::body::{CellGrid, NodeMap, SomSettings};
+use crate::body::{CellGrid, NodeMap};
 use crate::scene::layout::{is_flat, layout};
 use crate::scene::spec::{BuilderSpec, ModelSpec};
 use palpate_geometry::math::Vector3;
@@ -16,7 +16,11 @@ pub(super) fn of_builder<'a>(
 ) -> impl FnOnce() -> Option<(Reduced, f64)> + 'a {
     move || match body.spec.lattice.builder {
         BuilderSpec::Layers => layered(body, surface),
-        BuilderSpec::Transfinite | BuilderSpec::Som => riding(body, surface),
+        builder @ (BuilderSpec::Transfinite | BuilderSpec::Som) => {
+            let at = body.at.key("lattice");
+            let builder = at.methods().cell_builder(builder.name(), &at)?;
+            at.take(builder.cells(surface, &body.spec.lattice))
+        }
     }
 }
 
@@ -33,47 +37,6 @@ fn layered(body: &Inputs<'_>, surface: &Surface) -> Option<(Reduced, f64)> {
         Reduced {
             grid,
             map: NodeMap::Same,
-            coordinates,
-            coordinate_of_control,
-            patch_of_cell: Vec::new(),
-        },
-        volume,
-    ))
-}
-
-/// A cube of nodes, the outermost of which ride on the surface, and the volume that it encloses.
-fn riding(body: &Inputs<'_>, surface: &Surface) -> Option<(Reduced, f64)> {
-    let (spec, at) = (body.spec, body.at.key("lattice"));
-    let counts = spec.lattice.nodes;
-    let closed = surface.topology().is_closed();
-    let cube = match (spec.lattice.builder, closed, spec.lattice.thickness_m) {
-        (BuilderSpec::Som, ..) => {
-            let settings = SomSettings {
-                cycles: spec.lattice.cycles,
-                ..SomSettings::default()
-            };
-            crate::body::som(surface, counts, &settings)
-        }
-        (_, false, Some(thickness_m)) => crate::body::thick_sheet(surface, counts, thickness_m),
-        _ => crate::body::transfinite(surface, counts),
-    };
-    let cube = at.take(cube)?;
-    let coordinate_of_control = crate::body::coordinates_of_surface(surface);
-    at.take(crate::body::check_exterior(
-        surface,
-        &cube.exterior,
-        &coordinate_of_control,
-    ))?;
-    let (map, coordinates) = cube.riding(surface, &coordinate_of_control);
-    let volume = if closed {
-        surface.volume().abs()
-    } else {
-        cube.quality().volume_m3
-    };
-    Some((
-        Reduced {
-            grid: cube.grid,
-            map,
             coordinates,
             coordinate_of_control,
             patch_of_cell: Vec::new(),

@@ -1,9 +1,9 @@
 //! Model `lattice`: a solid of springs between nodes; the control points are nodes.
 
 use super::{Inputs, Model, cells, common};
-use crate::body::{Inside, SpringRule};
+use crate::body::Inside;
 use crate::scene::BodyModel;
-use crate::scene::spec::{MaterialSpec, SpringsSpec};
+use crate::scene::spec::SpringsSpec;
 use palpate_geometry::surface::Surface;
 
 pub(super) struct Lattice;
@@ -11,7 +11,7 @@ pub(super) struct Lattice;
 impl Model for Lattice {
     fn build(&self, body: &Inputs<'_>) -> Option<(Surface, BodyModel)> {
         common::deforming(body, common::NODE_BUDGET, |surface| {
-            let inside = inside(body, surface);
+            let inside = inside(body, surface)?;
             common::solid(body, surface, inside, cells::of_builder(body, surface))
         })
     }
@@ -19,18 +19,21 @@ impl Model for Lattice {
 
 /// Springs; in a flat body the energy that they stand for in cubes, since springs of flat cells have
 /// no stiffness against shear across them. Stiffening is a law of springs.
-fn inside(body: &Inputs<'_>, surface: &Surface) -> Inside {
-    let rule = rule(&body.spec.material);
-    let like_springs = rule == SpringRule::Moduli && body.material.stiffening.is_none();
-    if like_springs && cells::has_flat_layers(body, surface) {
-        return Inside::FlatSprings;
-    }
-    Inside::Springs(rule)
-}
-
-fn rule(material: &MaterialSpec) -> SpringRule {
-    match material.springs {
-        Some(SpringsSpec::Seed) => SpringRule::Seed,
-        Some(SpringsSpec::Moduli) | None => SpringRule::Moduli,
+fn inside(body: &Inputs<'_>, surface: &Surface) -> Option<Inside> {
+    match body.spec.material.springs {
+        Some(law @ SpringsSpec::Seed) => {
+            let at = body.at.key("material");
+            let law = at.methods().spring_law(law.name(), &at)?;
+            Some(Inside::SpringsBy(law))
+        }
+        Some(SpringsSpec::Moduli) | None => {
+            let like_springs = body.material.stiffening.is_none();
+            let flat = like_springs && cells::has_flat_layers(body, surface);
+            Some(if flat {
+                Inside::FlatSprings
+            } else {
+                Inside::Springs
+            })
+        }
     }
 }

@@ -188,6 +188,16 @@ pub enum SpringsSpec {
     Seed,
 }
 
+impl SpringsSpec {
+    /// As scenes write it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Moduli => "moduli",
+            Self::Seed => "seed",
+        }
+    }
+}
+
 /// `[[body.region]]`: cells of another material, by their centres, in the body's frame. Needs one of
 /// `ball`, `box`; values that are absent are those of the body.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -314,6 +324,17 @@ pub enum BuilderSpec {
     Transfinite,
     /// The same by a self-organising map, as in the design thesis.
     Som,
+}
+
+impl BuilderSpec {
+    /// As scenes write it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Layers => "layers",
+            Self::Transfinite => "transfinite",
+            Self::Som => "som",
+        }
+    }
 }
 
 /// `refine = "auto" | "none" | [22, 23] | { focus = [points] } | { u = [knots], v = [knots] }`.

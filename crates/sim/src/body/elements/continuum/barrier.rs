@@ -184,7 +184,7 @@ fn add_forces_wide(blocks: &[Block], places: &[Lane], residual: &mut [Lane]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::body::CubeLattice;
+    use crate::body::CellGrid;
     use palpate_geometry::math::Random;
 
     fn moved(nodes: &[Point3], squeeze: f64, by: f64) -> Vec<Lane> {
@@ -198,9 +198,9 @@ mod tests {
 
     #[test]
     fn forces_are_the_falling_slope_of_the_energy_and_begin_at_nine_tenths_of_the_volume() {
-        let cube = CubeLattice::cuboid(&Point3::origin(), &Point3::new(0.1, 0.12, 0.09), [3, 4, 3])
-            .unwrap();
-        let (nodes, cells) = (&cube.grid.nodes, &cube.grid.cells);
+        let high = Point3::new(0.1, 0.12, 0.09);
+        let cube = CellGrid::cuboid(&Point3::origin(), &high, [3, 4, 3]);
+        let (nodes, cells) = (&cube.nodes, &cube.cells);
         let barrier = VolumeBarrier::new(nodes, cells, |cell| 1e4 + cell as f64);
         let at_rest = moved(nodes, 0.91, 0.0);
         let mut forces = vec![[0.0; 4]; nodes.len()];

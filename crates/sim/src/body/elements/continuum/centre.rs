@@ -148,12 +148,11 @@ mod tests {
     use super::super::ContinuumLaw;
     use super::super::tests::{Random, assert_forces_are_slopes};
     use super::*;
-    use crate::body::CubeLattice;
+    use crate::body::CellGrid;
 
     fn cells() -> ContinuumLaw {
-        let cube = CubeLattice::cuboid(&Point3::origin(), &Point3::new(0.1, 0.12, 0.09), [3, 4, 3])
-            .unwrap();
-        let mut grid = cube.grid;
+        let high = Point3::new(0.1, 0.12, 0.09);
+        let mut grid = CellGrid::cuboid(&Point3::origin(), &high, [3, 4, 3]);
         let mut random = Random(41);
         grid.nodes
             .iter_mut()
@@ -196,21 +195,20 @@ mod tests {
 
     #[test]
     fn centres_and_gauss_points_agree_on_an_even_strain() {
-        let cube =
-            CubeLattice::cuboid(&Point3::origin(), &Point3::new(0.1, 0.1, 0.1), [3; 3]).unwrap();
+        let high = Point3::new(0.1, 0.1, 0.1);
+        let cube = CellGrid::cuboid(&Point3::origin(), &high, [3; 3]);
         let elastic = vec![
             Elastic {
                 young_pa: 3e4,
                 poisson: 0.3
             };
-            cube.grid.cells.len()
+            cube.cells.len()
         ];
         let solids = [
-            ContinuumLaw::new(&cube.grid, &elastic).unwrap(),
-            ContinuumLaw::at_centres(&cube.grid, &elastic).unwrap(),
+            ContinuumLaw::new(&cube, &elastic).unwrap(),
+            ContinuumLaw::at_centres(&cube, &elastic).unwrap(),
         ];
         let places: Vec<Lane> = cube
-            .grid
             .nodes
             .iter()
             .map(|p| [1.2 * p.x + 0.1 * p.y, 0.9 * p.y, p.z - 0.2 * p.x, 0.0])

@@ -213,7 +213,7 @@ mod tests {
     use super::super::tests::{Random, assert_forces_are_slopes};
     use super::super::{ContinuumLaw, Given, add_forces};
     use super::*;
-    use crate::body::CubeLattice;
+    use crate::body::CellGrid;
     use crate::body::elements::law::Place;
     use palpate_geometry::math::lanes::Baseline;
     use palpate_geometry::math::{Matrix3, Point3, Vector3};
@@ -226,7 +226,7 @@ mod tests {
     /// 3 × 4 × 3 distorted cells and their patches of 2 × 2 × 2 and less.
     fn cells() -> (CellGrid, Vec<u32>) {
         let [low, high] = [Point3::origin(), Point3::new(0.1, 0.12, 0.09)];
-        let mut grid = CubeLattice::cuboid(&low, &high, [4, 5, 4]).unwrap().grid;
+        let mut grid = CellGrid::cuboid(&low, &high, [4, 5, 4]);
         let mut random = Random(53);
         grid.nodes
             .iter_mut()

@@ -6,7 +6,7 @@
 //! because the bound of what a cell misses needs a continuous tangent: such a knot gets two rows,
 //! one seen from each side.
 
-use crate::basis::{KnotVector, Side};
+use palpate_geometry::basis::{KnotVector, Side};
 
 /// Cells of the coarsest level, at most, unless creases ask for more.
 const COARSEST: usize = 9;

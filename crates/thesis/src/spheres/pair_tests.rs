@@ -2,9 +2,9 @@
 
 use super::tests::{missed_m, shape};
 use super::*;
-use crate::basis::testing::Random;
-use crate::math::Rotation;
-use crate::surface::{ClosestSolver, builtin};
+use palpate_geometry::math::Random;
+use palpate_geometry::math::Rotation;
+use palpate_geometry::surface::{ClosestSolver, builtin};
 
 fn ask(body: &Surface, tool: &Surface, rows: usize, reach: &Reach) -> (ContactSet, Counters) {
     let (mut b, mut t) = (Spheres::new(body, [rows; 2]), Spheres::new(tool, [rows; 2]));

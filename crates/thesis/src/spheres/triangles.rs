@@ -4,7 +4,7 @@
 //! 2003, which decides by signs of determinants alone. Their test takes no degenerate triangles;
 //! those, and pairs in one plane, are decided by separating axes.
 
-use crate::math::{Point3, Vector3};
+use palpate_geometry::math::{Point3, Vector3};
 
 /// Corners of a triangle.
 pub(super) type Triangle = [Point3; 3];
@@ -203,7 +203,7 @@ fn apart(first: &Triangle, second: &Triangle) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::basis::testing::Random;
+    use palpate_geometry::math::Random;
 
     /// Brute force: some edge of one goes through the other, by solving three equations for each.
     fn oracle(a: &Triangle, b: &Triangle) -> Option<bool> {
@@ -211,7 +211,11 @@ mod tests {
         for (t, s) in [(a, b), (b, a)] {
             for k in 0..3 {
                 let (from, to) = (t[k], t[(k + 1) % 3]);
-                let m = crate::math::Matrix3::from_columns(&[from - to, s[1] - s[0], s[2] - s[0]]);
+                let m = palpate_geometry::math::Matrix3::from_columns(&[
+                    from - to,
+                    s[1] - s[0],
+                    s[2] - s[0],
+                ]);
                 let inverse = m.try_inverse()?;
                 let x = inverse * (from - s[0]);
                 let slack = [x[0], 1.0 - x[0], x[1], x[2], 1.0 - x[1] - x[2]]

@@ -7,6 +7,7 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 use palpate_geometry::surface::Surface;
+use palpate_sim::body::weights_at;
 
 /// Largest condition of the exterior map that is let pass; the mass matrix has the square of it. On
 /// the teardrops, transfinite lattices with six exterior nodes to a coordinate have 26 to 390, with
@@ -60,7 +61,7 @@ pub enum ExteriorError {
 }
 
 /// Checks that nodes at these parameters see every coordinate of the net; `coordinate_of_control`
-/// as [`coordinates_of_controls`](super::coordinates_of_controls) gives it. Offline: the cube of
+/// as [`coordinates_of_controls`](palpate_sim::body::coordinates_of_controls) gives it. Offline: the cube of
 /// the number of coordinates.
 ///
 /// # Errors
@@ -94,37 +95,6 @@ pub fn measure_exterior(
     coordinate_of_control: &[u32],
 ) -> Result<ExteriorMap, ExteriorError> {
     Ok(exterior_map(surface, exterior, coordinate_of_control)?.0)
-}
-
-/// Weights of the control points at one place, as (control point, weight): they sum to one.
-pub(super) fn weights_at(surface: &Surface, [u, v]: [f64; 2]) -> Vec<(usize, f64)> {
-    let (wu, wv) = (surface.knots_u().window(u), surface.knots_v().window(v));
-    let (rows, columns) = (surface.net().rows(), surface.net().columns());
-    let mut entries = Vec::with_capacity(wu.len * wv.len);
-    for (a, n) in wu.values().iter().enumerate() {
-        for (b, m) in wv.values().iter().enumerate() {
-            let k = (wu.first + a) % rows * columns + (wv.first + b) % columns;
-            entries.push((k, n * m * surface.weights().map_or(1.0, |w| w[k])));
-        }
-    }
-    let total: f64 = entries.iter().map(|(_, weight)| weight).sum();
-    entries.iter_mut().for_each(|(_, weight)| *weight /= total);
-    entries
-}
-
-/// Weights of the coordinates at one place: they sum to one. `of_control`: coordinates of the control points, u-major.
-pub(super) fn coordinates_at(
-    surface: &Surface,
-    at: [f64; 2],
-    of_control: &[u32],
-) -> Vec<(u32, f64)> {
-    debug_assert_eq!(
-        of_control.len(),
-        surface.net().points().len(),
-        "a coordinate a control point"
-    );
-    let each = weights_at(surface, at).into_iter();
-    each.map(|(k, weight)| (of_control[k], weight)).collect()
 }
 
 /// What is seen least.
@@ -229,9 +199,10 @@ fn exterior_map(
 
 #[cfg(test)]
 mod tests {
-    use super::super::{coordinates_of_controls, transfinite};
+    use super::super::transfinite;
     use super::*;
     use palpate_geometry::surface::builtin;
+    use palpate_sim::body::coordinates_of_controls;
 
     fn drop(net: usize) -> (Surface, Vec<u32>) {
         let surface = builtin("teardrop", Some([net; 2]), None).unwrap();

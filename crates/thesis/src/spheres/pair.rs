@@ -9,7 +9,7 @@ use super::levels::Levels;
 use super::region::SphereRegion;
 use super::triangles;
 use super::{SAME_DEPTH, Spheres};
-use crate::contact::{Contact, ContactSet, Reach, ToolPoint};
+use palpate_geometry::contact::{Contact, ContactSet, Reach, ToolPoint};
 
 /// Pairs of cells for which there is room, for each cell of both surfaces. Coinciding curved
 /// surfaces need about 13.
@@ -138,7 +138,7 @@ impl SpheresPair {
             return;
         }
         (b.points.computed, t.points.computed) = (0, 0);
-        let support = |d: &crate::math::Vector3| b.farthest(d) - t.farthest(&-d);
+        let support = |d: &palpate_geometry::math::Vector3| b.farthest(d) - t.farthest(&-d);
         if self
             .witness
             .separates(support, margin + b.noise_m() + t.noise_m())
@@ -207,8 +207,8 @@ impl SpheresPair {
     fn start(&mut self, b: &mut Cover, t: &mut Cover, margin: f64) -> [bool; 2] {
         self.marks.iter_mut().for_each(Marks::begin);
         self.pairs.clear();
-        let meets = |[low, high]: [crate::math::Point3; 2], reach: f64| {
-            move |l: &crate::math::Point3, h: &crate::math::Point3| {
+        let meets = |[low, high]: [palpate_geometry::math::Point3; 2], reach: f64| {
+            move |l: &palpate_geometry::math::Point3, h: &palpate_geometry::math::Point3| {
                 (0..3).all(|c| l[c] <= high[c] + reach && h[c] >= low[c] - reach)
             }
         };

@@ -8,8 +8,8 @@
 
 use super::cover::{CellId, Cover};
 use super::grid::GridAxis;
-use crate::contact::{MAX_CONTACTS, Rectangle};
-use crate::math::{Point3, Vector3};
+use palpate_geometry::contact::{MAX_CONTACTS, Rectangle};
+use palpate_geometry::math::{Point3, Vector3};
 
 /// A cell with its deepest point.
 #[derive(Clone, Copy, Debug)]

@@ -1,14 +1,14 @@
-//! Mends folded cells and flat corners of a cube lattice by moving their nodes.
+//! Repairs folded cells and flat corners of a cube lattice by moving their nodes.
 //!
 //! A node of a bad cell tries a few places: the mean of its neighbours and steps along the axes,
 //! or, when it rides on the surface, steps along the surface. It takes the one where the worst of
 //! its cells is best (Freitag & Ollivier-Gooch 1997, with fixed trial steps). Sweeps go on until no
 //! cell is bad, or no node moves.
 
-use super::cells::{Cell, CellGrid};
 use super::cube::{CubeLattice, node_at, place_of};
 use palpate_geometry::math::{Point3, Vector3};
 use palpate_geometry::surface::{ClosestSolver, Surface};
+use palpate_sim::body::{Cell, CellGrid, take_best, trials};
 
 /// Sweeps over the nodes of bad cells at most. A bent teardrop needs about five.
 const MOST_SWEEPS: usize = 60;
@@ -108,45 +108,6 @@ fn shift(lattice: &mut CubeLattice, node: usize) -> bool {
         places,
         worst,
     )
-}
-
-/// Places that a node tries: the mean of its neighbours, half the way there, and steps of some lengths, m, along the axes.
-pub(super) fn trials<const N: usize>(
-    start: Point3,
-    mean: Point3,
-    steps_m: [f64; N],
-) -> impl Iterator<Item = Point3> {
-    let steps = steps_m
-        .into_iter()
-        .flat_map(|step_m| (0..6).map(move |k| (step_m, k)));
-    let around = steps.map(move |(step_m, k)| {
-        let mut offset = Vector3::zeros();
-        offset[k / 2] = if k % 2 == 0 { step_m } else { -step_m };
-        start + offset
-    });
-    [mean, nalgebra::center(&start, &mean)]
-        .into_iter()
-        .chain(around)
-}
-
-/// Puts a node where the worst of its cells is best; false where that is where it was.
-pub(super) fn take_best<G>(
-    grid: &mut G,
-    node: impl Fn(&mut G) -> &mut Point3,
-    places: impl Iterator<Item = Point3>,
-    worst: impl Fn(&G) -> f64,
-) -> bool {
-    let start = *node(grid);
-    let mut best = (worst(grid), start);
-    for place in places {
-        *node(grid) = place;
-        let value = worst(grid);
-        if value > best.0 {
-            best = (value, place);
-        }
-    }
-    *node(grid) = best.1;
-    best.1 != start
 }
 
 /// Moves along the surface.

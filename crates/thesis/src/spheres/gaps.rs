@@ -4,8 +4,8 @@ use super::SAME_DEPTH;
 use super::cover::{CellId, Cover};
 use super::levels::nearest_in_cell;
 use super::peaks::{Leaf, Peaks};
-use crate::contact::{Contact, ContactSet, ToolPoint};
-use crate::math::Vector3;
+use palpate_geometry::contact::{Contact, ContactSet, ToolPoint};
+use palpate_geometry::math::Vector3;
 
 /// Local gaps within the margin, at the corners of cells whose spheres meet, against the other
 /// side's triangles.

@@ -113,6 +113,7 @@ fn transform(sines: &[Sines; 3], counts: [usize; 3], values: &mut [Vector3]) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::cube::place_of;
     use super::*;
     use palpate_geometry::math::Point3;
 
@@ -133,7 +134,7 @@ mod tests {
             let before = lattice.grid.nodes.clone();
             fill(&mut lattice);
             for node in 0..before.len() {
-                let place = super::super::cube::place_of(counts, node);
+                let place = place_of(counts, node);
                 let x = lattice.grid.nodes[node];
                 if is_outermost(counts, place) {
                     assert_eq!(x, before[node], "a node of a face moved");
@@ -167,7 +168,7 @@ mod tests {
         .unwrap();
         let mut filled = even.clone();
         for node in 0..filled.grid.nodes.len() {
-            if !is_outermost(even.counts, super::super::cube::place_of(even.counts, node)) {
+            if !is_outermost(even.counts, place_of(even.counts, node)) {
                 filled.grid.nodes[node] = Point3::origin();
             }
         }

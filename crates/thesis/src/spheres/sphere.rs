@@ -5,7 +5,7 @@
 //! the sphere over its longest side is taken; and a fourth point that is still outside widens the
 //! sphere, so that all four are always in it.
 
-use crate::math::{Point3, Vector3};
+use palpate_geometry::math::{Point3, Vector3};
 
 /// A ball, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -162,7 +162,7 @@ impl Lens {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::basis::testing::Random;
+    use palpate_geometry::math::Random;
 
     #[test]
     fn all_four_corners_are_inside_and_no_room_is_wasted() {

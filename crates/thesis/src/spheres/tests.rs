@@ -3,10 +3,10 @@
 use super::cover::CellId;
 use super::sphere::Lens;
 use super::*;
-use crate::basis::testing::Random;
-use crate::basis::{KnotVector, Side};
-use crate::surface::testing::fifty_surfaces;
-use crate::surface::{ClosestSolver, ControlNet, builtin};
+use crate::testing::fifty_surfaces;
+use palpate_geometry::basis::{KnotVector, Side};
+use palpate_geometry::math::Random;
+use palpate_geometry::surface::{ClosestSolver, ControlNet, builtin};
 
 pub(super) fn shape(name: &str) -> Surface {
     builtin(name, None, None).unwrap()

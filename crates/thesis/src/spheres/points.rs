@@ -4,8 +4,9 @@
 //! surface pays once for all.
 
 use super::grid::GridAxis;
-use crate::math::{Point3, Vector3};
-use crate::surface::{Surface, wrap};
+use super::wrap;
+use palpate_geometry::math::{Point3, Vector3};
+use palpate_geometry::surface::Surface;
 
 /// The net and the points made of it.
 #[derive(Clone, Debug)]
@@ -186,8 +187,8 @@ fn blended(points: &[[f64; 4]], values: &[f64]) -> [f64; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surface::testing::fifty_surfaces;
-    use crate::surface::{Topology, builtin};
+    use crate::testing::fifty_surfaces;
+    use palpate_geometry::surface::{Topology, builtin};
 
     #[test]
     fn points_and_normals_are_those_of_the_surface_before_and_after_it_moves() {

@@ -4,9 +4,10 @@ use super::grid::{GridAxis, GridCell};
 use super::points::SpherePoints;
 use super::sag::Sag;
 use super::sphere::{Lens, Sphere};
-use crate::contact::samples::distance_squared_to_box;
-use crate::math::{Point3, Pose, Vector3};
-use crate::surface::{Surface, wrap};
+use super::wrap;
+use palpate_geometry::contact::distance_squared_to_box;
+use palpate_geometry::math::{Point3, Pose, Vector3};
+use palpate_geometry::surface::Surface;
 
 /// A cell: its place among those of its level.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]

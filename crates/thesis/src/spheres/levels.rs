@@ -5,7 +5,7 @@ use super::counters::{self, Counters};
 use super::cover::{CellId, Cover};
 use super::solid::Solid;
 use super::triangles;
-use crate::math::{Point3, Vector3};
+use palpate_geometry::math::{Point3, Vector3};
 
 /// How far refinement goes.
 #[derive(Clone, Copy, Debug)]

@@ -5,7 +5,7 @@
 //! by its farthest points only, so no hull is ever built. "Apart" is said on the strength of a
 //! direction that was checked; all doubt counts as "may touch".
 
-use crate::math::Vector3;
+use palpate_geometry::math::Vector3;
 
 /// Steps of GJK. Hulls that touch to rounding may need any number; a handful decides all others.
 const STEPS: usize = 24;
@@ -134,7 +134,7 @@ fn inside(p: &[Vector3; 4]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::basis::testing::Random;
+    use palpate_geometry::math::Random;
 
     fn farthest(points: &[Vector3], d: &Vector3) -> Vector3 {
         *points
@@ -157,7 +157,7 @@ mod tests {
                     random.float(-1.0, 1.0),
                 )
             };
-            let turn = crate::math::Rotation::from_scaled_axis(vector() * 2.0);
+            let turn = palpate_geometry::math::Rotation::from_scaled_axis(vector() * 2.0);
             let corners = |centre: Vector3| -> Vec<Vector3> {
                 (0..8)
                     .map(|k| {

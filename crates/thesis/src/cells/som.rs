@@ -13,7 +13,7 @@
 //! beforehand leaves the last few nodes with points far from their neighbours, and the cells there
 //! folded.) The interior is harmonic, and folded cells are unfolded.
 
-use super::cube::{CubeError, CubeLattice, check_closed, is_outermost, place_of};
+use super::cube::{CubeError, CubeLattice, check_closed, is_outermost, node_at, place_of};
 use super::{harmonic, untangle};
 use palpate_geometry::math::{Matrix3, Point3, Vector3};
 use palpate_geometry::surface::{ClosestSolver, Surface};
@@ -186,7 +186,7 @@ impl Map {
                     && (0..3).all(|axis| near[axis] < counts[axis])
                     && is_outermost(counts, near)
                 {
-                    beside.push(exterior_of[super::cube::node_at(counts, near)]);
+                    beside.push(exterior_of[node_at(counts, near)]);
                 }
             }
             starts.push(beside.len() as u32);

@@ -7,16 +7,11 @@
 //! A cube mapped on a smooth body is flat along its twelve edges: the two faces of a cell that meet
 //! there both lie on the surface, so the corner between them tends to 180°, and its scaled Jacobian
 //! to 0, as the lattice gets finer. The cells' volumes stay positive. Springs live with this; a
-//! model that needs good corners takes [`layers`](super::layers).
+//! model that needs good corners takes [`layers`](palpate_sim::body::layers).
 
-use super::cells::{Cell, CellGrid};
-use super::node_map::NodeMap;
-use super::quality::CellQuality;
 use palpate_geometry::math::Point3;
 use palpate_geometry::surface::Surface;
-
-/// Most nodes along one axis of a lattice.
-pub const MOST_NODES_A_SIDE: usize = 128;
+use palpate_sim::body::{CellGrid, CellQuality, MOST_NODES_A_SIDE, NodeMap, weights_at};
 
 /// A lattice of `a × b × c` nodes, node (i, j, k) at `(i b + j) c + k`.
 #[derive(Clone, Debug)]
@@ -104,7 +99,7 @@ impl CubeLattice {
         );
         let mut rows: Vec<Vec<(u32, f64)>> = vec![Vec::new(); self.grid.nodes.len()];
         for &(node, uv) in &self.exterior {
-            let weights = super::exterior::weights_at(surface, uv);
+            let weights = weights_at(surface, uv);
             rows[node as usize] = weights
                 .into_iter()
                 .map(|(k, weight)| (coordinate_of_control[k], weight))
@@ -173,11 +168,7 @@ impl CubeLattice {
                 None => interior.push(node as u32),
             }
         }
-        let grid = CellGrid {
-            nodes,
-            cells: cells(counts),
-            node_of_control: Vec::new(),
-        };
+        let grid = CellGrid::in_rows(counts, nodes);
         Ok(Self {
             counts,
             grid,
@@ -215,22 +206,6 @@ pub(super) fn node_at(counts: [usize; 3], [i, j, k]: [usize; 3]) -> usize {
 /// True for the nodes of the six faces.
 pub(super) fn is_outermost(counts: [usize; 3], place: [usize; 3]) -> bool {
     (0..3).any(|axis| place[axis] == 0 || place[axis] + 1 == counts[axis])
-}
-
-fn cells(counts: [usize; 3]) -> Vec<Cell> {
-    let steps = counts.map(|n| n - 1);
-    let mut cells = Vec::with_capacity(steps.iter().product());
-    for i in 0..steps[0] {
-        for j in 0..steps[1] {
-            for k in 0..steps[2] {
-                let corner = |c: usize| {
-                    node_at(counts, [i + (c >> 2), j + (c >> 1 & 1), k + (c & 1)]) as u32
-                };
-                cells.push(std::array::from_fn(corner));
-            }
-        }
-    }
-    cells
 }
 
 /// The door of the builders that fill a closed surface: finite, sphere-like, with room inside.

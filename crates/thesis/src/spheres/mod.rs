@@ -17,7 +17,7 @@
 //! surface is flat in between, so a bump cannot hide there.
 //!
 //! ```
-//! use palpate_geometry::contact::spheres::Spheres;
+//! use palpate_thesis::spheres::Spheres;
 //! use palpate_geometry::contact::{ContactSet, Reach};
 //! use palpate_geometry::math::Point3;
 //! use palpate_geometry::surface::builtin;
@@ -41,6 +41,9 @@ mod pair;
 mod pair_tests;
 mod peaks;
 mod points;
+mod query;
+#[cfg(test)]
+mod query_tests;
 mod region;
 mod sag;
 mod solid;
@@ -51,6 +54,7 @@ mod triangles;
 
 pub use self::counters::{Counters, LevelCounters, MAX_LEVELS};
 pub use self::pair::SpheresPair;
+pub use self::query::{SPHERES, counters_of};
 pub use self::solid::Solid;
 pub use self::sphere::Sphere;
 
@@ -59,9 +63,14 @@ use self::hull::Witness;
 use self::levels::{Levels, Limits, Nearest};
 use self::peaks::{Leaf, Peaks};
 use self::solid::{Ball, HalfSpace};
-use super::{Contact, ContactSet, Reach, Rectangle, ToolPoint};
-use crate::math::{Point3, Pose, Vector3};
-use crate::surface::Surface;
+use palpate_geometry::contact::{Contact, ContactSet, Reach, Rectangle, ToolPoint};
+use palpate_geometry::math::{Point3, Pose, Vector3};
+use palpate_geometry::surface::Surface;
+
+/// Index modulo count, for windows that run past the end of a period.
+fn wrap(index: usize, count: usize) -> usize {
+    if index < count { index } else { index - count }
+}
 
 /// Depths closer than this share of the body's size are equal: far above rounding, far below what a
 /// hand feels.

@@ -11,8 +11,8 @@ use super::levels::{Levels, Nearest};
 use super::peaks::wrapped;
 use super::triangles::Triangle;
 use super::{FACING, peaks};
-use crate::contact::{MAX_CONTACTS, Rectangle};
-use crate::math::{Point3, Vector3};
+use palpate_geometry::contact::{MAX_CONTACTS, Rectangle};
+use palpate_geometry::math::{Point3, Vector3};
 
 const UNKNOWN: u8 = 0;
 /// The lower four bits say which corners are on the inner side of what crosses the cell.
@@ -278,7 +278,7 @@ impl SphereRegion {
             ]
         };
         let on = |[i, j]: [u32; 2], step: u32| i.is_multiple_of(step) && j.is_multiple_of(step);
-        // The lower corner of each cell stands for it; on the finest step all corners do.
+        // The lower corner of each cell is taken for it; on the finest step all corners do.
         let enough = |step: &u32| {
             self.part
                 .iter()

@@ -8,7 +8,7 @@
 
 use super::grid::GridAxis;
 use super::points::SpherePoints;
-use crate::basis::KnotVector;
+use palpate_geometry::basis::KnotVector;
 
 /// Bounds of second derivatives for every pair of knot spans.
 #[derive(Clone, Debug)]

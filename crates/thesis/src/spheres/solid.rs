@@ -1,7 +1,7 @@
 //! Tools that are known by their signed gap.
 
-use crate::contact::samples::distance_squared_to_box;
-use crate::math::{Point3, Vector3};
+use palpate_geometry::contact::distance_squared_to_box;
+use palpate_geometry::math::{Point3, Vector3};
 
 /// A solid tool, in the frame of the body.
 pub trait Solid {
