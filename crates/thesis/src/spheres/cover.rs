@@ -1,10 +1,10 @@
 //! A surface under spheres: at each level one for each cell, which holds the surface of the cell.
 
+use super::grid::wrap;
 use super::grid::{GridAxis, GridCell};
 use super::points::SpherePoints;
 use super::sag::Sag;
 use super::sphere::{Lens, Sphere};
-use super::wrap;
 use palpate_geometry::contact::distance_squared_to_box;
 use palpate_geometry::math::{Point3, Pose, Vector3};
 use palpate_geometry::surface::Surface;

@@ -1,7 +1,7 @@
 //! Gaps between two surfaces that are near each other and do not cross.
 
-use super::SAME_DEPTH;
 use super::cover::{CellId, Cover};
+use super::grid::SAME_DEPTH;
 use super::levels::nearest_in_cell;
 use super::peaks::{Leaf, Peaks};
 use palpate_geometry::contact::{Contact, ContactSet, ToolPoint};

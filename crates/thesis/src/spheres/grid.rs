@@ -8,6 +8,18 @@
 
 use palpate_geometry::basis::{KnotVector, Side};
 
+/// Index modulo count, for windows that run past the end of a period.
+pub(super) fn wrap(index: usize, count: usize) -> usize {
+    if index < count { index } else { index - count }
+}
+
+/// Depths closer than this share of the body's size are equal: far above rounding, far below what a
+/// hand feels.
+pub(super) const SAME_DEPTH: f64 = 1e-12;
+/// Beyond an open edge a foot says nothing about sides unless it is seen from within this cosine of
+/// the normal.
+pub(super) const FACING: f64 = 0.7;
+
 /// Cells of the coarsest level, at most, unless creases ask for more.
 const COARSEST: usize = 9;
 /// And at least: fewer would cover a closed surface with spheres as large as itself.

@@ -63,21 +63,11 @@ use self::hull::Witness;
 use self::levels::{Levels, Limits, Nearest};
 use self::peaks::{Leaf, Peaks};
 use self::solid::{Ball, HalfSpace};
+use grid::{FACING, SAME_DEPTH};
 use palpate_geometry::contact::{Contact, ContactSet, Reach, Rectangle, ToolPoint};
 use palpate_geometry::math::{Point3, Pose, Vector3};
 use palpate_geometry::surface::Surface;
 
-/// Index modulo count, for windows that run past the end of a period.
-fn wrap(index: usize, count: usize) -> usize {
-    if index < count { index } else { index - count }
-}
-
-/// Depths closer than this share of the body's size are equal: far above rounding, far below what a
-/// hand feels.
-const SAME_DEPTH: f64 = 1e-12;
-/// Beyond an open edge a foot says nothing about sides unless it is seen from within this cosine of
-/// the normal.
-const FACING: f64 = 0.7;
 /// Least and most rows in a direction: indices of cells have 16 bits.
 const ROWS: [usize; 2] = [2, 4096];
 

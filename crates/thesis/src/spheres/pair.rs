@@ -1,14 +1,15 @@
 //! Two surfaces: spheres against spheres, refined alternately on body and tool, then triangles
 //! against triangles.
 
+use super::Spheres;
 use super::counters::{self, Counters, LevelCounters, MAX_LEVELS};
 use super::cover::{CellId, Cover};
 use super::gaps::gaps;
+use super::grid::SAME_DEPTH;
 use super::hull::Witness;
 use super::levels::Levels;
 use super::region::SphereRegion;
 use super::triangles;
-use super::{SAME_DEPTH, Spheres};
 use palpate_geometry::contact::{Contact, ContactSet, Reach, ToolPoint};
 
 /// Pairs of cells for which there is room, for each cell of both surfaces. Coinciding curved

@@ -4,7 +4,7 @@
 //! surface pays once for all.
 
 use super::grid::GridAxis;
-use super::wrap;
+use super::grid::wrap;
 use palpate_geometry::math::{Point3, Vector3};
 use palpate_geometry::surface::Surface;
 

@@ -7,10 +7,11 @@
 //! closer about the deepest.
 
 use super::cover::{CellId, Cover};
+use super::grid::FACING;
 use super::levels::{Levels, Nearest};
+use super::peaks;
 use super::peaks::wrapped;
 use super::triangles::Triangle;
-use super::{FACING, peaks};
 use palpate_geometry::contact::{MAX_CONTACTS, Rectangle};
 use palpate_geometry::math::{Point3, Vector3};
 
