@@ -46,8 +46,8 @@ fn every_quantity_is_a_column_and_can_be_plotted() {
     }
     let path = directory.path().join("out.svg");
     let (file, path) = (file.to_str().unwrap(), path.to_str().unwrap());
-    let (_, told, code) = palpate(&["export", file, "--svg", path, "--plot", "proxy_z_m,banana"]);
-    assert!(code == 2 && told.contains("contact_force"), "{told}");
+    let (_, err, code) = palpate(&["export", file, "--svg", path, "--plot", "proxy_z_m,banana"]);
+    assert!(code == 2 && err.contains("contact_force"), "{err}");
 }
 
 /// Two balls on a soft slab.

@@ -77,7 +77,7 @@ impl Asked {
         });
     }
 
-    /// What it comes to; `None` if no tick had it.
+    /// The result; `None` if no tick had it.
     pub fn value(&self) -> Option<f64> {
         self.value
     }
