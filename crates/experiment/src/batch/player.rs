@@ -7,11 +7,11 @@ use palpate_client::device::servo::Servo;
 use palpate_client::device::{Motion, Network, PassivitySettings, SimulatedDevice};
 use palpate_proto::messages::{SceneSnapshot, ToolPose};
 use palpate_record::SessionHash;
+use palpate_sim::World;
 use palpate_sim::scene::file::Loaded;
 use palpate_sim::scene::{Scene, inline_files};
 use palpate_sim::tick::quantity::{Number, ToolTick};
-use palpate_sim::tick::record::{Command, TickInput, TickOutput};
-use palpate_sim::tick::{apply, step};
+use palpate_sim::tick::record::{Command, TickOutput};
 use palpate_wire as wire;
 use serde::{Deserialize, Serialize};
 use sha2::Digest as _;
@@ -300,12 +300,10 @@ impl HandAtWork {
     }
 }
 
-fn play(scene: &Scene, mut hands: Hands, plan: &Plan) -> Outcome {
-    let mut state = scene.initial_state();
-    let mut scratch = scene.scratch(&state);
-    let mut input = TickInput::for_tools(scene.tool_count());
+fn play(scene: &Arc<Scene>, mut hands: Hands, plan: &Plan) -> Outcome {
+    let mut world = World::start(scene.clone());
     for command in &hands.commands {
-        apply(scene, &mut state, &mut scratch, *command);
+        world.apply(*command);
     }
     let mut outcome = Outcome {
         tools: (0..scene.tool_count())
@@ -331,17 +329,15 @@ fn play(scene: &Scene, mut hands: Hands, plan: &Plan) -> Outcome {
         let time_s = tick as f64 * scene.dt_s;
         for hand in &mut hands.list {
             let pose = hand.pose(tick, time_s, scene.dt_s);
-            input.poses[hand.tool] = Some(wire::device_pose(&pose));
+            world.record.input.poses[hand.tool] = Some(wire::device_pose(&pose));
         }
-        let output = step(scene, &mut state, &mut scratch, &input);
+        world.tick();
+        let output = &world.record.output;
         for hand in &mut hands.list {
-            hand.hear(&output);
+            hand.hear(output);
         }
         for (tool, figures) in outcome.tools.iter_mut().enumerate() {
-            let of = ToolTick {
-                pose: input.poses[tool].as_ref(),
-                output: &output.tools[tool],
-            };
+            let of = ToolTick::of(&world.record, tool);
             let force_n = force.of(&of);
             if force_n > figures.peak_force_n {
                 (figures.peak_force_n, figures.peak_force_s) = (force_n, time_s);

@@ -16,12 +16,11 @@ use palpate_geometry::exchange::Format;
 use palpate_geometry::math::state_hash;
 use palpate_proto::text::located;
 use palpate_record::{Recorder, RecorderPort, RecorderSettings};
+use palpate_sim::World;
 use palpate_sim::body::Deformable;
 use palpate_sim::scene::spec::Clock;
 use palpate_sim::scene::{Scene, SceneChange, SceneCut, file, inline_files};
-use palpate_sim::tick::record::TickRecord;
 use palpate_sim::tick::stage::{Stage, StageTimes};
-use palpate_sim::tick::{SceneState, Scratch, deform, hash, render};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -118,10 +117,7 @@ fn inline(table: &mut toml::Table, source: &Source) -> Result<(), ScenarioError>
 
 /// The loop of a run.
 struct Loop {
-    scene: Scene,
-    state: SceneState,
-    scratch: Scratch,
-    record: TickRecord,
+    world: World,
     nets: NetPool,
     journal: Option<RecorderPort>,
     hands: Vec<Option<HandAtWork>>,
@@ -158,25 +154,19 @@ pub fn play(
         let (started, port) = Recorder::start(settings, &scene)?;
         (recorder, journal) = (Some((started, path.clone())), Some(port));
     }
-    let state = scene.initial_state();
-    let scratch = scene.scratch(&state);
-    let record = TickRecord::for_tools(scene.tool_count());
     let nets = NetPool::new(
         &scene,
         BUS_NETS + journal.as_ref().map_or(0, Journal::nets_held),
     );
     let mut played = Played::default();
     let mut at_work = Loop {
-        scene,
-        state,
-        scratch,
-        record,
+        world: World::start(scene),
         nets,
         journal,
         hands,
     };
     let seconds = run.for_s.min(settings.most_s.unwrap_or(f64::INFINITY));
-    let ticks = (seconds / at_work.scene.dt_s).round() as u64;
+    let ticks = (seconds / at_work.world.scene.dt_s).round() as u64;
     let done = at_work.run(ticks, meters, &mut played);
     drop(at_work.journal.take());
     if let Some((recorder, path)) = recorder {
@@ -201,33 +191,31 @@ pub fn play(
 impl Loop {
     fn view(&self, time_s: f64) -> View<'_> {
         View {
-            scene: &self.scene,
-            state: &self.state,
-            scratch: &self.scratch,
-            record: &self.record,
+            scene: &self.world.scene,
+            state: &self.world.state,
+            scratch: &self.world.scratch,
+            record: &self.world.record,
             hands: &self.hands,
             time_s,
         }
     }
 
     fn run(&mut self, ticks: u64, meters: &mut [Meter], played: &mut Played) -> Result<(), String> {
-        let dt_s = self.scene.dt_s;
-        let hash_of_start = state_hash(&self.state);
+        let dt_s = self.world.scene.dt_s;
+        let hash_of_start = state_hash(&self.world.state);
         if let Some(journal) = &mut self.journal {
-            journal.keyframe(&self.state, hash_of_start);
+            journal.keyframe(&self.world.state, hash_of_start);
         }
         let mut taken_ns: Vec<u64> = Vec::with_capacity(ticks as usize);
         for tick in 1..=ticks {
             let time_s = tick as f64 * dt_s;
             let Self {
-                scene,
-                state,
-                scratch,
-                record,
+                world,
                 nets,
                 journal,
                 hands,
             } = self;
+            let record = &mut world.record;
             for (tool, hand) in hands.iter_mut().enumerate() {
                 record.input.poses[tool] = hand
                     .as_mut()
@@ -235,18 +223,18 @@ impl Loop {
             }
             let mut times = [0; Stage::COUNT];
             let mut since = Instant::now();
-            let mut lap = |stage: Stage| {
+            world.staged(|stage| {
                 let now = Instant::now();
                 let ns = now.duration_since(since).as_nanos();
                 times[stage as usize] = u32::try_from(ns).unwrap_or(u32::MAX);
                 since = now;
-            };
-            render(scene, state, scratch, &record.input, &mut record.output);
-            lap(Stage::Render);
-            deform(scene, state, scratch, &mut record.output);
-            lap(Stage::Deform);
-            hash(state, &mut record.output);
-            lap(Stage::Hash);
+            });
+            let World {
+                scene,
+                state,
+                record,
+                ..
+            } = world;
             record.stage_ns = StageTimes::from(times);
             taken_ns.push(record.stage_ns.total());
             nets.begin();
@@ -275,7 +263,7 @@ impl Loop {
             }
         }
         played.ticks = ticks;
-        played.state_hash = self.record.output.state_hash;
+        played.state_hash = self.world.record.output.state_hash;
         played.map = (self.hands.iter().flatten())
             .find_map(HandAtWork::scanner)
             .map(|scanner| scanner.map().clone());
