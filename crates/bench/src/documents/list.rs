@@ -97,6 +97,7 @@ pub(super) fn tables() -> Vec<Table> {
             &[Median, P99, Error],
             &[
                 "crates/bench/src/contact",
+                "crates/thesis/src/spheres",
                 "crates/bench/src/contact.rs",
                 GEOMETRY,
             ],
@@ -235,7 +236,11 @@ pub(super) fn tables() -> Vec<Table> {
             ..table(
                 "slides",
                 "docs/contact.md",
-                &["crates/bench/src/parts", "src/chart.rs", GEOMETRY],
+                &[
+                    "crates/bench/src/parts",
+                    "crates/record/src/chart.rs",
+                    GEOMETRY,
+                ],
             )
         },
         Table {
@@ -284,6 +289,7 @@ pub(super) fn tables() -> Vec<Table> {
             &[Median, P99, Error, Wrong],
             &[
                 "crates/bench/src/contact",
+                "crates/thesis/src/spheres",
                 "crates/bench/src/surface.rs",
                 "crates/bench/src/peers",
                 GEOMETRY,
@@ -446,7 +452,7 @@ fn scenario(name: &'static str) -> Table {
         ..table(
             &format!("scenario {name}"),
             "docs/scenarios.md",
-            &[&folder, "src/scenario"],
+            &[&folder, "crates/experiment/src/scenario"],
         )
     }
 }
