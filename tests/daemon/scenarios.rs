@@ -56,7 +56,10 @@ fn nothing_is_found_about_any_scene_that_comes_with_the_program() {
     }
     assert!(scenes.len() > 15, "{scenes:?}");
     for path in scenes {
-        let scene = file::load(&path).unwrap().build_to_run();
+        let scene = file::load(&path)
+            .unwrap()
+            .with(palpate_thesis::METHODS)
+            .build_to_run();
         let scene = scene.unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(scene.warnings(), [], "{}", path.display());
     }
