@@ -186,6 +186,9 @@ def __getattr__(name: str) -> Any:
     import importlib
 
     try:
+        if module in ("_client", "_daemon") or name == "to_html":
+            # Only there with the feature `daemon`.
+            importlib.import_module("palpate._native").Link  # noqa: B018
         value = getattr(importlib.import_module(f"palpate.{module}"), name)
     except ModuleNotFoundError as error:
         if error.name != "palpate._native":
