@@ -2,10 +2,10 @@
 //! recordings that replay bit for bit.
 //!
 //! ```text
-//! drive ──▶ wire ──▶ transport | recording ──▶ editing, viewer, adapters, auth ──▶ cli
+//! transport ──▶ editing, viewer, auth, fleet, relay ──▶ cli
 //! ```
-//! Transport and recording do not know each other; they meet in [`drive::archive`] and
-//! [`drive::playback`]. `docs/ARCHITECTURE.md` shows how a tick passes through all of it.
+//! The loop is `palpate-drive`, recordings are `palpate-record`. They and the bus know each other only through
+//! [`palpate_drive::archive`] and [`palpate_drive::playback`]. `docs/ARCHITECTURE.md` shows how a tick passes through all of it.
 
 pub mod auth;
 pub mod cli;
