@@ -1,18 +1,18 @@
 //! From a scene file's data to the constants of a simulation.
 
 use super::door::{At, Door, SceneError};
+use super::files::Files;
 use super::methods::Methods;
 use super::pairs::{self, Frictions};
 use super::spec::{MAX_TOOLS, SceneSpec};
 use super::{Body, BodyModel, FrameOf, Pair, Scene, Tool, model, mover, tool};
 use palpate_geometry::contact::ToolShape;
 use palpate_geometry::contact::mesh::MeshTool;
-use std::path::Path;
 use std::sync::Arc;
 
 impl Scene {
-    /// Checks the spec and builds surfaces, bodies and tools; `directory` is where relative paths of
-    /// the spec start. [`file::Loaded::build`](super::file::Loaded::build) does the same for a scene
+    /// Checks the spec and builds surfaces, bodies and tools; `files` has the files that the spec
+    /// names: a folder where relative paths start, or memory. [`file::Loaded::build`](super::file::Loaded::build) does the same for a scene
     /// file and gives lines.
     ///
     /// # Errors
@@ -37,8 +37,8 @@ impl Scene {
     /// assert_eq!((scene.body_count(), scene.tool_count()), (1, 1));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn build(spec: &SceneSpec, directory: &Path) -> Result<Self, SceneError> {
-        Self::build_with(spec, directory, Methods::default())
+    pub fn build(spec: &SceneSpec, files: impl Files) -> Result<Self, SceneError> {
+        Self::build_with(spec, files, Methods::default())
     }
 
     /// [`Scene::build`] of a scene that may name these methods.
@@ -47,20 +47,20 @@ impl Scene {
     /// As [`Scene::build`].
     pub fn build_with(
         spec: &SceneSpec,
-        directory: &Path,
+        files: impl Files,
         methods: Methods,
     ) -> Result<Self, SceneError> {
-        Self::build_from(spec, directory, methods, &[])
+        Self::build_from(spec, &files, methods, &[])
     }
 
     /// [`Scene::build_with`], with bodies that are ready, by index.
     pub(super) fn build_from(
         spec: &SceneSpec,
-        directory: &Path,
+        files: &dyn Files,
         methods: Methods,
         ready: &[Option<Arc<Body>>],
     ) -> Result<Self, SceneError> {
-        let door = Door::new(directory).with(methods);
+        let door = Door::new(files).with(methods);
         let mut built = scene(spec, ready, &door.top());
         if let Some(scene) = &mut built {
             scene.notes = door.notes();
@@ -74,8 +74,8 @@ impl Scene {
 ///
 /// # Errors
 /// Every file that cannot be read or parsed.
-pub fn inline_files(spec: &SceneSpec, directory: &Path) -> Result<SceneSpec, SceneError> {
-    let door = Door::new(directory);
+pub fn inline_files(spec: &SceneSpec, files: impl Files) -> Result<SceneSpec, SceneError> {
+    let door = Door::new(&files);
     let top = door.top();
     let mut inlined = spec.clone();
     for (b, body) in inlined.bodies.iter_mut().enumerate() {

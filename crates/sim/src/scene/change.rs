@@ -94,7 +94,7 @@ impl SceneChange {
     /// # Errors
     /// As [`Scene::build_to_run`].
     pub fn build_to_run(&self) -> Result<Scene, SceneError> {
-        Scene::build_from(&self.spec, Path::new(""), self.methods, &self.ready)?.checked_to_run()
+        Scene::build_from(&self.spec, &Path::new(""), self.methods, &self.ready)?.checked_to_run()
     }
 
     /// The next scene as a file.
@@ -274,7 +274,8 @@ pub(super) fn pinned(scene: &Scene) -> Result<SceneSpec, SceneError> {
             RefineSpec::Auto(RefineAuto::Auto) | RefineSpec::Focus { .. }
         );
         if scene.deforms(b) && automatic {
-            let door = Door::new(Path::new(""));
+            let nowhere = Path::new("");
+            let door = Door::new(&nowhere);
             let at = door.top().key("body").entry(b).key("surface");
             let coarse = body.surface.surface(&at);
             drop(at);

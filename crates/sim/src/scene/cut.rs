@@ -308,7 +308,8 @@ fn made_piece(
         if model.model().deforms() {
             spec.lattice.layers = Some(layers);
         }
-        let door = Door::new(Path::new("")).with(scene.methods);
+        let nowhere = Path::new("");
+        let door = Door::new(&nowhere).with(scene.methods);
         let top = door.top();
         let at = top.key("body").entry(body);
         let made = model::build(next, &tools, &spec, &at, scene.dt_s);

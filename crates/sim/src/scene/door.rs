@@ -8,6 +8,7 @@
 //! A check gives the value back, so what is built from it needs no second check; `None` means that
 //! a problem was written down and that nothing can be built from the value.
 
+use super::files::Files;
 use super::methods::Methods;
 use palpate_geometry::math::{MOST_COORDINATE_M, Pose, Rotation, Vector3, direction_of};
 use std::cell::RefCell;
@@ -108,8 +109,8 @@ impl SceneError {
 
 /// Collects the problems of one scene.
 pub(super) struct Door<'d> {
-    /// Where relative paths of the scene start.
-    directory: &'d Path,
+    /// Files that the scene names.
+    files: &'d dyn Files,
     methods: Methods,
     problems: RefCell<Vec<Problem>>,
     /// Path and text of what is taken otherwise than a file says.
@@ -117,9 +118,9 @@ pub(super) struct Door<'d> {
 }
 
 impl<'d> Door<'d> {
-    pub fn new(directory: &'d Path) -> Self {
+    pub fn new(files: &'d dyn Files) -> Self {
         Self {
-            directory,
+            files,
             methods: Methods::default(),
             problems: RefCell::default(),
             notes: RefCell::default(),
@@ -195,9 +196,9 @@ impl<'d> At<'d> {
         self.door.methods
     }
 
-    /// Where relative paths of the scene start.
-    pub fn directory(&self) -> &'d Path {
-        self.door.directory
+    /// A file that the scene names, in messages.
+    pub fn name_of(&self, file: &Path) -> String {
+        self.door.files.named(file)
     }
 
     /// Notes what is taken otherwise than a file says; the scene warns of it.
@@ -315,18 +316,9 @@ impl<'d> At<'d> {
         ))
     }
 
-    /// A file that this table names, relative to the scene.
+    /// A file that this table names.
     pub fn read_file(&self, key: &str, file: &Path) -> Option<Vec<u8>> {
-        let full = self.directory().join(file);
-        if !full.is_file() {
-            return self.key(key).refused(format!(
-                "there is no file {}; paths start at the scene file",
-                full.display()
-            ));
-        }
-        let read = std::fs::read(&full);
-        self.key(key)
-            .take(read.map_err(|e| format!("cannot read {}: {e}", full.display())))
+        self.key(key).take(self.door.files.read(file))
     }
 }
 

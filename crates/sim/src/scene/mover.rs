@@ -149,8 +149,7 @@ fn from_file(motion: &MotionSpec, at: &At<'_>) -> Option<Option<MotionSpec>> {
         return at.refused("a motion is either a file or way-points and shakes in place, not both");
     }
     let bytes = at.read_file("file", file)?;
-    let full = at.directory().join(file);
-    let named = |e: &dyn std::fmt::Display| format!("{}: {e}", full.display());
+    let named = |e: &dyn std::fmt::Display| format!("{}: {e}", at.name_of(file));
     let text = std::str::from_utf8(&bytes).map_err(|e| named(&e));
     let read = text.and_then(|text| {
         let read = toml::from_str::<MotionSpec>(text);
@@ -160,7 +159,7 @@ fn from_file(motion: &MotionSpec, at: &At<'_>) -> Option<Option<MotionSpec>> {
     if read.file.is_some() {
         return at.key("file").refused(format!(
             "{}: a motion's file names no other file",
-            full.display()
+            at.name_of(file)
         ));
     }
     Some(Some(read))

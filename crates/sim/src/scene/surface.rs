@@ -103,8 +103,7 @@ impl SurfaceSpec {
     /// The one surface of a file, or its part.
     fn read(&self, file: &Path, at: &At<'_>) -> Option<Named> {
         let bytes = at.read_file("file", file)?;
-        let full = at.directory().join(file);
-        let named = |e: &dyn std::fmt::Display| format!("{}: {e}", full.display());
+        let named = |e: &dyn std::fmt::Display| format!("{}: {e}", at.name_of(file));
         let read = match Format::of(file) {
             Ok(Format::Step) => self.step(&bytes),
             Ok(Format::Iges) => self.iges(file, &bytes).map(Named::Surface),

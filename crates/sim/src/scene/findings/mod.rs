@@ -14,13 +14,13 @@ mod unused;
 mod usual;
 
 use super::door::{Problem, SceneError};
+use super::files::Files;
 use super::methods::Methods;
 use super::spec::SceneSpec;
 use super::{BodyModel, Scene};
 use palpate_geometry::math::{Pose, Rotation, Vector3};
 use serde::Serialize;
 use std::fmt::{self, Display};
-use std::path::Path;
 
 /// What is found about a scene that can be built.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -80,8 +80,8 @@ impl Scene {
     ///
     /// # Errors
     /// As [`Scene::build`], and what must not run.
-    pub fn build_to_run(spec: &SceneSpec, directory: &Path) -> Result<Self, SceneError> {
-        Self::build_to_run_with(spec, directory, Methods::default())
+    pub fn build_to_run(spec: &SceneSpec, files: impl Files) -> Result<Self, SceneError> {
+        Self::build_to_run_with(spec, files, Methods::default())
     }
 
     /// [`Scene::build_to_run`] of a scene that may name these methods.
@@ -90,10 +90,10 @@ impl Scene {
     /// As [`Scene::build_to_run`].
     pub fn build_to_run_with(
         spec: &SceneSpec,
-        directory: &Path,
+        files: impl Files,
         methods: Methods,
     ) -> Result<Self, SceneError> {
-        Self::build_with(spec, directory, methods)?.checked_to_run()
+        Self::build_with(spec, files, methods)?.checked_to_run()
     }
 
     /// Refuses what is found wrong, and keeps all else that is found.

@@ -105,9 +105,8 @@ impl MeshSpec {
             MeshUnit::M => Unit::Metre,
             MeshUnit::Mm => Unit::Millimetre,
         };
-        let full = at.directory().join(file);
-        let read = Format::of(&full).and_then(|format| exchange::read_mesh(&bytes, format, unit));
+        let read = Format::of(file).and_then(|format| exchange::read_mesh(&bytes, format, unit));
         at.key("file")
-            .take(read.map_err(|e| format!("{}: {e}", full.display())))
+            .take(read.map_err(|e| format!("{}: {e}", at.name_of(file))))
     }
 }

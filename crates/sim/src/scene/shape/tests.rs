@@ -17,7 +17,8 @@ fn built(text: &str) -> (ShapeSpec, ToolShape) {
         shape: ShapeSpec,
     }
     let tool: ToolFile = toml::from_str(&format!("shape = {{ {text} }}")).unwrap();
-    let door = Door::new(Path::new("."));
+    let here = Path::new(".");
+    let door = Door::new(&here);
     let shape = tool.shape.build(&door.top().key("shape"));
     (tool.shape, door.close(shape).unwrap())
 }
