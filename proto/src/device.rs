@@ -26,6 +26,30 @@ pub enum DeviceError {
 }
 
 impl DeviceInfo {
+    /// A device of which nothing is known but its name, cut to what a message holds.
+    pub fn named(name: &str) -> Self {
+        let mut end = name.len().min(DEVICE_NAME_BYTES);
+        while !name.is_char_boundary(end) {
+            end -= 1;
+        }
+        Self {
+            name: name[..end].to_owned(),
+            dof_force: 0,
+            dof_torque: 0,
+            workspace: [0.0; 3],
+            force_max: 0.0,
+            force_continuous: 0.0,
+            torque_max: 0.0,
+            mass: 0.0,
+            damping: 0.0,
+            coulomb_friction: 0.0,
+            encoder_resolution: 0.0,
+            rate_hz: 0.0,
+            delay_s: 0.0,
+            deadband: 0.0,
+        }
+    }
+
     /// It pushes or turns the hand. One that says it does neither, as a mouse does, is only looked at.
     pub fn has_motors(&self) -> bool {
         self.dof_force > 0 || self.dof_torque > 0
@@ -75,6 +99,14 @@ impl DeviceInfo {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_name_that_is_too_long_is_cut_between_characters() {
+        let long = DeviceInfo::named(&format!("a{}", "é".repeat(40)));
+        assert_eq!(long.name, format!("a{}", "é".repeat(31)));
+        assert!(long.validated().is_ok());
+        assert_eq!(DeviceInfo::named("arm").name, "arm");
+    }
 
     fn info() -> DeviceInfo {
         DeviceInfo {

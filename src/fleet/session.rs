@@ -53,7 +53,7 @@ pub enum Refusal {
          if the machine has idle cores"
     )]
     Full {
-        /// Places.
+        /// Sessions at most.
         max: usize,
         /// When to try again.
         retry_after: Duration,

@@ -48,20 +48,8 @@ where
     Reached {
         end: Box::new(Any(end)),
         info: DeviceInfo {
-            name: format!("{kind} {id}"),
             dof_force,
-            dof_torque: 0,
-            workspace: [0.0; 3],
-            force_max: 0.0,
-            force_continuous: 0.0,
-            torque_max: 0.0,
-            mass: 0.0,
-            damping: 0.0,
-            coulomb_friction: 0.0,
-            encoder_resolution: 0.0,
-            rate_hz: 0.0,
-            delay_s: 0.0,
-            deadband: 0.0,
+            ..DeviceInfo::named(&format!("{kind} {id}"))
         },
         id,
     }

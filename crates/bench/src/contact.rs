@@ -145,7 +145,7 @@ impl Known {
         }
     }
 
-    /// The same at all queries.
+    /// One depth, known at all queries, m.
     fn all(count: usize, depth_m: f64) -> Self {
         Self::of(count, count.max(1), |_| depth_m)
     }

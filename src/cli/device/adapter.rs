@@ -20,10 +20,10 @@ use std::time::Duration;
 #[derive(clap::Args, Debug)]
 #[group(id = "adapters", multiple = true)]
 pub struct AdapterArgs {
-    /// Move the tool with this hardware instead of a simulated device: haply.
+    /// Move the tool with this hardware instead of a simulated device.
     #[arg(long, value_name = "KIND", value_parser = kinds(), requires = "tool")]
     pub hardware: Option<String>,
-    /// Address of the software of its maker [default of haply: ws://localhost:10001].
+    /// Address of its maker's software, where that is not the usual one.
     #[arg(long, requires = "hardware")]
     uri: Option<String>,
     /// Device to use, where the service has several.

@@ -183,19 +183,10 @@ pub(super) fn hold_tool(
 fn info_of(arm: &ArmPlan, name: &str) -> DeviceInfo {
     let cap = arm.coupler.cap;
     DeviceInfo {
-        name: name.chars().take(64).collect(),
         dof_force: 3,
         dof_torque: if cap.torque_nm > 0.0 { 3 } else { 0 },
-        workspace: [0.0; 3],
         force_max: cap.force_n,
-        force_continuous: 0.0,
         torque_max: cap.torque_nm,
-        mass: 0.0,
-        damping: 0.0,
-        coulomb_friction: 0.0,
-        encoder_resolution: 0.0,
-        rate_hz: 0.0,
-        delay_s: 0.0,
-        deadband: 0.0,
+        ..DeviceInfo::named(name)
     }
 }

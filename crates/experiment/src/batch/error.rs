@@ -8,9 +8,9 @@ pub enum BatchError {
     /// A file that cannot be read or written.
     #[error("{path}: {reason}")]
     File {
-        /// Which.
+        /// The file.
         path: String,
-        /// Cause.
+        /// Why it failed.
         reason: String,
     },
     /// Something in the sweep that cannot be.

@@ -16,9 +16,9 @@ pub enum ScenarioError {
     /// A file that cannot be read or written, or that is not what it should be.
     #[error("{path}: {reason}")]
     File {
-        /// Which.
+        /// The file.
         path: String,
-        /// Cause.
+        /// Why it failed.
         reason: String,
     },
     /// Something in `scenario.toml` that names nothing, or that cannot be done.

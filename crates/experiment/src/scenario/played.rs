@@ -41,7 +41,7 @@ pub struct Played {
     pub state_hash: u64,
     /// Faults, such as a body set back to rest.
     pub faults: u64,
-    /// Ticks.
+    /// Ticks that ran.
     pub ticks: u64,
     /// Files written.
     pub files: Vec<PathBuf>,

@@ -36,7 +36,7 @@ pub struct Row {
     pub run: String,
     /// In the order of the measures, those that it has.
     pub cells: Vec<Cell>,
-    /// Ticks.
+    /// Ticks that ran.
     pub ticks: u64,
     /// Hash of the state after the last tick: the same on every machine with the same build.
     pub state_hash: String,

@@ -47,13 +47,13 @@ pub enum ExportError {
     /// No such quantity.
     #[error("{name:?} is no quantity of a tool; there are {}", quantities())]
     UnknownQuantity {
-        /// Wanted.
+        /// The name that was asked for.
         name: String,
     },
     /// No such body.
     #[error("no body {body:?}; the scene has {}", bodies.join(", "))]
     UnknownBody {
-        /// Wanted.
+        /// The body that was asked for.
         body: String,
         /// What there is.
         bodies: Vec<String>,

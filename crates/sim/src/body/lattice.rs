@@ -17,7 +17,7 @@ use palpate_geometry::math::Point3;
 pub enum Inside {
     /// Springs between nodes.
     Springs,
-    /// The same by another law.
+    /// Springs by a law that a caller brings.
     SpringsBy(&'static dyn SpringLaw),
     /// Stable neo-Hookean solid.
     Continuum,

@@ -127,7 +127,7 @@ impl<'d> Door<'d> {
         }
     }
 
-    /// The same with methods that the scene may name.
+    /// A door of scenes that may name these methods.
     pub fn with(self, methods: Methods) -> Self {
         Self { methods, ..self }
     }

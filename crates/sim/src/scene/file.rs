@@ -134,7 +134,7 @@ fn take_out(table: &mut DeTable<'_>, key: &Range<usize>) -> bool {
 }
 
 impl Loaded {
-    /// The same, to be built with these methods.
+    /// Sets the methods that the scene may name when it is built.
     pub fn with(self, methods: Methods) -> Self {
         Self { methods, ..self }
     }
