@@ -3,13 +3,14 @@
 use crate::client::{Tool, client_error};
 use crate::errors::raised;
 use crate::pose::Pose;
-use crate::values::{floats, python};
+use crate::values::{floats, keyword, python};
 use numpy::PyArray1;
 use palpate_client::device::run::{PATIENCE, RunError, RunSettings, run as run_device};
 use palpate_client::device::{self, DeviceModel, Goal, Hand, Motion, Network, devices};
 use palpate_proto::messages::ToolPose;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -27,19 +28,6 @@ fn text_of(name: &str) -> PyResult<Option<String>> {
     std::fs::read_to_string(path)
         .map(Some)
         .map_err(|error| crate::errors::os_error(path, &error))
-}
-
-/// The keywords of `Tool.drive`, as a dictionary.
-#[derive(FromPyObject)]
-#[pyo3(from_item_all)]
-struct DriveOptions {
-    seconds: f64,
-    depth: f64,
-    rate: Option<f64>,
-    delay: f64,
-    jitter: f64,
-    loss: f64,
-    passivity: bool,
 }
 
 /// A haptic device with a hand on it, stepped one servo period at a time.
@@ -205,9 +193,11 @@ impl SimulatedDevice {
         py: Python<'_>,
         tool: &Tool,
         motion: &str,
-        options: DriveOptions,
+        options: &Bound<'_, PyDict>,
     ) -> PyResult<String> {
-        let DriveOptions { seconds, depth, .. } = options;
+        let (seconds, depth): (f64, f64) =
+            (keyword(options, "seconds")?, keyword(options, "depth")?);
+        let delay = keyword(options, "delay")?;
         if !(seconds.is_finite() && seconds > 0.0) {
             return Err(PyValueError::new_err(format!(
                 "seconds is {seconds}; it must be finite and above 0"
@@ -221,23 +211,23 @@ impl SimulatedDevice {
         };
         let motion = motion.map_err(refused)?;
         let (model, seed) = (self.locked().model().clone(), self.seed);
-        tool.announce_info(py, &model.info(options.delay))?;
+        tool.announce_info(py, &model.info(delay))?;
         let own_hz = if tool.is_lockstep() {
             1e9 / scene.dt_ns as f64
         } else {
             model.rate_hz
         };
         let settings = RunSettings {
-            rate_hz: options.rate.unwrap_or(own_hz),
+            rate_hz: keyword::<Option<f64>>(options, "rate")?.unwrap_or(own_hz),
             duration_s: seconds,
             network: Network {
-                delay_s: options.delay,
-                jitter_s: options.jitter,
-                loss: options.loss,
+                delay_s: delay,
+                jitter_s: keyword(options, "jitter")?,
+                loss: keyword(options, "loss")?,
                 reorder: 0.0,
                 seed,
             },
-            passivity: options.passivity,
+            passivity: keyword(options, "passivity")?,
             patience: PATIENCE,
         };
         if !(1.0..=20_000.0).contains(&settings.rate_hz) {

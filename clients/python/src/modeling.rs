@@ -2,7 +2,7 @@
 
 use crate::errors::surface_error;
 use crate::surface::{Surface, direction_of, read_file};
-use crate::values::{array, points, slice};
+use crate::values::{array, keyword, points, slice};
 use palpate_geometry::basis::KnotVector;
 use palpate_geometry::exchange::{Format, read_points};
 use palpate_geometry::math::Vector3;
@@ -16,6 +16,7 @@ use palpate_modeling::merge::{
 use palpate_modeling::pipe::{Answer, PipeLimits, Spine, pipe_surface};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -41,27 +42,12 @@ fn plain(surfaces: &[PyRef<'_, Surface>]) -> Vec<surface::Surface> {
         .collect()
 }
 
-/// The keywords of `merge`, as a dictionary.
-#[derive(FromPyObject)]
-#[pyo3(from_item_all)]
-pub struct MergeOptions {
-    continuity: usize,
-    method: String,
-    degree: String,
-    grid: Option<(usize, usize)>,
-    edges: Option<(String, String)>,
-    hide: Vec<(usize, String, (f64, f64))>,
-    find_overlap: bool,
-    tolerance: Option<f64>,
-    hidden: Option<String>,
-}
-
 /// Joins patches into one surface; returns it with a report as JSON.
 #[pyfunction]
 pub fn merge(
     py: Python<'_>,
     surfaces: Vec<PyRef<'_, Surface>>,
-    options: MergeOptions,
+    options: &Bound<'_, PyDict>,
 ) -> PyResult<(Surface, String)> {
     let edge = |name: &str| {
         choice(
@@ -75,7 +61,9 @@ pub fn merge(
             ],
         )
     };
-    let arrangement = match (options.grid, options.edges) {
+    let grid: Option<(usize, usize)> = keyword(options, "grid")?;
+    let edges: Option<(String, String)> = keyword(options, "edges")?;
+    let arrangement = match (grid, edges) {
         (Some(_), Some(_)) => {
             return Err(PyValueError::new_err("grid and edges exclude each other"));
         }
@@ -86,7 +74,8 @@ pub fn merge(
             columns => Arrangement::Grid { rows: 1, columns },
         },
     };
-    let ranges = options.hide.into_iter().map(|(patch, direction, (a, b))| {
+    let hide: Vec<(usize, String, (f64, f64))> = keyword(options, "hide")?;
+    let ranges = hide.into_iter().map(|(patch, direction, (a, b))| {
         Ok(Hidden {
             patch,
             direction: direction_of(&direction)?,
@@ -99,20 +88,20 @@ pub fn merge(
         ("exact", MergeMethod::Exact),
     ];
     let spec = MergeSpec {
-        continuity: options.continuity,
-        method: choice("method", &options.method, &methods)?,
+        continuity: keyword(options, "continuity")?,
+        method: choice("method", &keyword::<String>(options, "method")?, &methods)?,
         degree: choice(
             "degree",
-            &options.degree,
+            &keyword::<String>(options, "degree")?,
             &[("raise", DegreeRule::Raise), ("lower", DegreeRule::Lower)],
         )?,
         arrangement,
         hidden: ranges.collect::<PyResult<_>>()?,
-        hide_by: (options.hidden)
+        hide_by: keyword::<Option<String>>(options, "hidden")?
             .map(|name| choice("hidden", &name, &HideBy::ALL))
             .transpose()?,
-        find_overlap: options.find_overlap,
-        tolerance_m: options.tolerance,
+        find_overlap: keyword(options, "find_overlap")?,
+        tolerance_m: keyword(options, "tolerance")?,
         ..MergeSpec::default()
     };
     let surfaces = plain(&surfaces);
@@ -195,32 +184,23 @@ pub fn isolate(
     })
 }
 
-/// A curve as a dictionary: degree, knots, points (n, 3) and weights.
-#[derive(FromPyObject)]
-#[pyo3(from_item_all)]
-pub struct CurveArrays<'py> {
-    degree: usize,
-    knots: Bound<'py, PyAny>,
-    points: Bound<'py, PyAny>,
-    weights: Option<Bound<'py, PyAny>>,
-    periodic: bool,
-}
-
-fn curve(given: &CurveArrays<'_>) -> PyResult<Curve> {
-    let knots = slice(&array(&given.knots, "knots")?).to_vec();
-    let knots = if given.periodic {
-        KnotVector::periodic(given.degree, knots)
+/// A curve as a dictionary: degree, knots, points (n, 3), weights and whether it is periodic.
+fn curve(given: &Bound<'_, PyDict>) -> PyResult<Curve> {
+    let degree = keyword(given, "degree")?;
+    let knots = slice(&array(&keyword(given, "knots")?, "knots")?).to_vec();
+    let knots = if keyword(given, "periodic")? {
+        KnotVector::periodic(degree, knots)
     } else {
-        KnotVector::new(given.degree, knots)
+        KnotVector::new(degree, knots)
     };
-    let (points, shape) = points(&given.points, "points")?;
+    let (points, shape) = points(&keyword(given, "points")?, "points")?;
     if shape.len() != 1 {
         return Err(PyValueError::new_err(
             "points of a curve must have the shape (n, 3)",
         ));
     }
-    let weights = (given.weights.as_ref())
-        .map(|weights| Ok::<_, PyErr>(slice(&array(weights, "weights")?).to_vec()))
+    let weights = keyword::<Option<Bound<'_, PyAny>>>(given, "weights")?
+        .map(|weights| Ok::<_, PyErr>(slice(&array(&weights, "weights")?).to_vec()))
         .transpose()?;
     Curve::new(knots.map_err(surface_error)?, points, weights).map_err(surface_error)
 }
@@ -230,11 +210,11 @@ fn curve(given: &CurveArrays<'_>) -> PyResult<Curve> {
 #[pyo3(signature = (spine, radius=None, tolerance=None))]
 pub fn pipe(
     py: Python<'_>,
-    spine: CurveArrays<'_>,
+    spine: &Bound<'_, PyDict>,
     radius: Option<f64>,
     tolerance: Option<f64>,
 ) -> PyResult<(Option<Surface>, String)> {
-    let curve = curve(&spine)?;
+    let curve = curve(spine)?;
     if let Some(radius) = radius.filter(|radius| !(radius.is_finite() && *radius > 0.0)) {
         return Err(PyValueError::new_err(format!(
             "radius is {radius}; it must be a finite length above 0, m"
@@ -272,38 +252,24 @@ pub fn branch(py: Python<'_>, tree: &str) -> PyResult<(Surface, String)> {
     })
 }
 
-/// The keywords of `fit`, as a dictionary.
-#[derive(FromPyObject)]
-#[pyo3(from_item_all)]
-pub struct FitOptions {
-    net: Option<(usize, usize)>,
-    degree: usize,
-    closed: bool,
-    smoothing: Option<f64>,
-    grid: bool,
-    periodic: (bool, bool),
-    unit: String,
-}
-
 /// A surface near points; with root-mean-square and largest distance, m.
 #[pyfunction]
 pub fn fit(
     py: Python<'_>,
     points: &Bound<'_, PyAny>,
-    options: FitOptions,
+    options: &Bound<'_, PyDict>,
 ) -> PyResult<(Surface, f64, f64)> {
-    let FitOptions {
-        net,
-        degree,
-        closed,
-        smoothing,
-        grid,
-        periodic,
-        ..
-    } = options;
+    let net: Option<(usize, usize)> = keyword(options, "net")?;
+    let (degree, closed, grid) = (
+        keyword(options, "degree")?,
+        keyword(options, "closed")?,
+        keyword(options, "grid")?,
+    );
+    let smoothing: Option<f64> = keyword(options, "smoothing")?;
+    let periodic: (bool, bool) = keyword(options, "periodic")?;
     let unit = choice(
         "unit",
-        &options.unit,
+        &keyword::<String>(options, "unit")?,
         &[("m", Unit::Metre), ("mm", Unit::Millimetre)],
     )?;
     let (list, shape) = match points.extract::<PathBuf>() {

@@ -7,6 +7,19 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyByteArray, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
 
+/// An argument by its name, of those that a wrapper hands over together.
+pub fn keyword<'py, T: FromPyObjectOwned<'py>>(
+    given: &Bound<'py, PyDict>,
+    name: &str,
+) -> PyResult<T> {
+    let value = given.as_any().get_item(name)?;
+    value.extract::<T>().map_err(|error| {
+        let error: PyErr = error.into();
+        let words = format!("argument '{name}': {}", error.value(given.py()));
+        PyErr::from_type(error.get_type(given.py()), words)
+    })
+}
+
 /// Numbers of any shape as a C-contiguous array of float64; copies only where it must. Refuses
 /// what would lose something: text, complex numbers, objects.
 pub fn array<'py>(value: &Bound<'py, PyAny>, name: &str) -> PyResult<PyReadonlyArrayDyn<'py, f64>> {
