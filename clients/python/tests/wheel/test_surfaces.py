@@ -330,3 +330,17 @@ def test_numbers_that_overflow_make_no_surface(bad: float) -> None:
         sheet.transformed(translation=(bad, 0.0, 0.0))
     with pytest.raises(ValueError, match="finite"):
         sheet.closest([[bad, 0.0, 0.0]])
+
+
+@pytest.mark.parametrize(
+    ("call", "name"),
+    [
+        (lambda sheet: pp.merge([sheet, sheet], continuity="two"), "continuity"),
+        (lambda sheet: pp.merge([sheet, sheet], tolerance="small"), "tolerance"),
+        (lambda sheet: pp.fit([[0.0, 0.0, 0.0]], degree="three"), "degree"),
+        (lambda sheet: pp.pipe({"degree": "three", "knots": [0.0, 1.0], "points": [[0.0, 0.0, 0.0]]}), "degree"),
+    ],
+)
+def test_an_argument_of_another_type_is_named(call: Any, name: str) -> None:
+    with pytest.raises(TypeError, match=f"argument '{name}'"):
+        call(pp.Surface.builtin("sheet"))
