@@ -4,7 +4,8 @@ use super::budget;
 use palpate_client::is_secured;
 use palpate_client::links::{self, Exposed, OpenError};
 use palpate_proto::keys::Keys;
-use std::net::{TcpListener, TcpStream, ToSocketAddrs, UdpSocket};
+use socket2::{Domain, Socket, Type};
+use std::net::{SocketAddr, TcpStream, ToSocketAddrs, UdpSocket};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use zenoh::Wait;
@@ -277,7 +278,7 @@ fn set(config: &mut zenoh::Config, key: &str, value: &str) -> Result<(), Session
 }
 
 /// Host and port of an endpoint over TCP or UDP; other transports are left to Zenoh.
-fn ip_address(endpoint: &str) -> Result<Option<std::net::SocketAddr>, SessionError> {
+fn ip_address(endpoint: &str) -> Result<Option<SocketAddr>, SessionError> {
     let wrong = |reason: String| SessionError::Endpoint {
         endpoint: endpoint.to_owned(),
         reason,
@@ -317,13 +318,23 @@ fn check_reachable(endpoint: &str) -> Result<(), SessionError> {
     }
 }
 
+/// Binds as a listener does, without listening: a program that waits for the daemon would connect to this socket, and
+/// find no one a moment later.
+fn bind(address: SocketAddr) -> std::io::Result<Socket> {
+    let socket = Socket::new(Domain::for_address(address), Type::STREAM, None)?;
+    #[cfg(unix)]
+    socket.set_reuse_address(true)?;
+    socket.bind(&address.into())?;
+    Ok(socket)
+}
+
 fn check_free(endpoint: &str) -> Result<(), SessionError> {
     let Some(address) = ip_address(endpoint)? else {
         return Ok(());
     };
     let bound = match endpoint.starts_with("quic/") {
         true => UdpSocket::bind(address).map(drop),
-        false => TcpListener::bind(address).map(drop),
+        false => bind(address).map(drop),
     };
     match bound {
         Ok(()) => Ok(()),
@@ -337,6 +348,19 @@ fn check_free(endpoint: &str) -> Result<(), SessionError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::net::TcpListener;
+
+    #[test]
+    fn a_port_that_is_looked_at_accepts_no_one() {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let address = listener.local_addr().unwrap();
+        assert!(bind(address).is_err());
+        drop(listener);
+        let held = bind(address).unwrap();
+        assert!(TcpStream::connect(address).is_err());
+        drop(held);
+        assert!(check_free(&format!("tcp/{address}")).is_ok());
+    }
 
     #[test]
     fn a_taken_port_and_a_silent_peer_are_named() {
