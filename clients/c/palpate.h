@@ -1181,6 +1181,12 @@ typedef struct palpate_loop_status {
    * nets ten times rarer.
    */
   uint8_t quality_level;
+  /* Tool whose poses the deadlines of ticks follow; empty: none. */
+  palpate_text followed_tool;
+  /* How far deadlines have moved from the fixed grid of the first tick, s. */
+  double shift_s;
+  /* Time from the arrival of a pose to the tick that took it; of each tick the longest. */
+  palpate_quantiles wait;
 } palpate_loop_status;
 
 static inline void palpate_loop_status_read(palpate_reader *reader, palpate_loop_status *out) {
@@ -1202,6 +1208,9 @@ static inline void palpate_loop_status_read(palpate_reader *reader, palpate_loop
   out->recorder_bytes = palpate_read_varint(reader, 64);
   out->recorder_drops = palpate_read_varint(reader, 64);
   out->quality_level = palpate_read_u8(reader);
+  out->followed_tool = palpate_read_text(reader);
+  out->shift_s = palpate_read_f64(reader);
+  palpate_quantiles_read(reader, &out->wait);
 }
 
 static inline void palpate_loop_status_write(palpate_writer *writer, const palpate_loop_status *in) {
@@ -1217,10 +1226,13 @@ static inline void palpate_loop_status_write(palpate_writer *writer, const palpa
   palpate_write_varint(writer, in->recorder_bytes);
   palpate_write_varint(writer, in->recorder_drops);
   palpate_write_u8(writer, in->quality_level);
+  palpate_write_text(writer, in->followed_tool);
+  palpate_write_f64(writer, in->shift_s);
+  palpate_quantiles_write(writer, &in->wait);
 }
 
 /* Schema of the encoding application/octet-stream that goes with it. */
-#define PALPATE_LOOP_STATUS_SCHEMA "postcard;palpate.LoopStatus.v3"
+#define PALPATE_LOOP_STATUS_SCHEMA "postcard;palpate.LoopStatus.v4"
 /* Greatest size, bytes. */
 #define PALPATE_LOOP_STATUS_MAX_BYTES 16777216
 

@@ -307,7 +307,7 @@ crate::layout::messages! {
     }
 
     /// Health of the loop, ten times a second.
-    message LoopStatus = "palpate.LoopStatus.v3" on "status" as Health {
+    message LoopStatus = "palpate.LoopStatus.v4" on "status" as Health {
         /// Newest tick.
         tick: u64,
         /// What the loop does.
@@ -333,6 +333,12 @@ crate::layout::messages! {
         /// 0 is full quality; 1: bodies iterate once a step; 2: also fewer sweeps over contacts; 3:
         /// also nets ten times rarer.
         quality_level: u8,
+        /// Tool whose poses the deadlines of ticks follow; empty: none.
+        followed_tool: String,
+        /// How far deadlines have moved from the fixed grid of the first tick, s.
+        shift_s: f64,
+        /// Time from the arrival of a pose to the tick that took it; of each tick the longest.
+        wait: Quantiles,
     }
 
     /// What happened.

@@ -100,6 +100,10 @@ pub struct Common {
     /// Do not request FIFO scheduling and locked memory.
     #[arg(long)]
     pub no_rt: bool,
+    /// Keep ticks on a fixed grid of time. By default they move, a little each tick, to just after the
+    /// poses of a device, so that its force answers sooner; the simulation is the same.
+    #[arg(long)]
+    pub fixed_phase: bool,
     /// Stop when the process that started this one ends.
     #[arg(long)]
     pub with_parent: bool,
@@ -350,6 +354,7 @@ pub fn serve(
             .filter(|_| scene.clock == Clock::Lockstep)
             .map(|duration| (duration.as_secs_f64() / scene.dt_s).round() as u64),
         privileged: !common.no_rt,
+        follow: !common.fixed_phase,
     };
     let (self_check, journal) = match common.self_check {
         None => (None, Box::new(journal) as Box<dyn Journal>),

@@ -101,9 +101,10 @@ pub(super) struct LoopTally {
     /// The tick before met a fault.
     faulty: bool,
     period: Histogram,
-    /// Lateness and dropped deadlines of the tick before.
-    before: Option<(u64, u32)>,
+    /// Lateness, shift and dropped deadlines of the tick before.
+    before: Option<(u64, i64, u32)>,
     step: Histogram,
+    wait: Histogram,
     /// Since the start, by cause.
     overruns: [u64; CAUSES.len()],
     last_overruns: Instant,
@@ -137,6 +138,9 @@ impl LoopTally {
             recorder_bytes: 0,
             recorder_drops: 0,
             quality_level: 0,
+            followed_tool: String::new(),
+            shift_s: 0.0,
+            wait: Default::default(),
         };
         Ok(Self {
             publisher: publisher::<LoopStatus>(session, keys.status())?,
@@ -149,6 +153,7 @@ impl LoopTally {
             period: Histogram::default(),
             before: None,
             step: Histogram::default(),
+            wait: Histogram::default(),
             overruns: [0; CAUSES.len()],
             last_overruns: Instant::now(),
             overruns_tick: 0,
@@ -177,14 +182,15 @@ impl LoopTally {
         self.status.skipped_ticks += u64::from(record.input.skipped);
         let dt_ns = (scene.dt_s * 1e9) as u64;
         // From start to start: a tick that drops deadlines moves the next one, and is late by them itself.
-        if let Some((late_ns, skipped)) =
-            self.before.replace((record.late_ns, record.input.skipped))
-        {
-            let due_ns = dt_ns * (1 + u64::from(skipped));
-            self.period
-                .add((due_ns + record.late_ns).saturating_sub(late_ns));
+        let now = (record.late_ns, record.shift_ns, record.input.skipped);
+        if let Some((late_ns, shift_ns, skipped)) = self.before.replace(now) {
+            let due_ns = dt_ns * (1 + u64::from(skipped)) + record.late_ns;
+            let due_ns = due_ns.saturating_add_signed(record.shift_ns - shift_ns);
+            self.period.add(due_ns.saturating_sub(late_ns));
         }
+        self.status.shift_s = record.shift_ns as f64 * 1e-9;
         self.step.add(record.stage_ns.total());
+        record.wait_ns.into_iter().for_each(|ns| self.wait.add(ns));
         for t in 0..self.tools.len() {
             let out = &record.output.tools[t];
             let id = || scene.tool_id(t).to_owned();
@@ -335,8 +341,10 @@ impl LoopTally {
         self.tell_overruns(scene, events);
         self.status.period = counters::quantiles(&self.period);
         self.status.step = counters::quantiles(&self.step);
+        self.status.wait = counters::quantiles(&self.wait);
         self.period.clear();
         self.step.clear();
+        self.wait.clear();
     }
 
     /// Publishes the status as it stands.
@@ -354,6 +362,11 @@ impl LoopTally {
         forces: &[ForceCounts],
     ) {
         self.status.state = state;
+        let followed = self.gauges.counters.followed.load(Ordering::Relaxed);
+        self.status.followed_tool = match followed.checked_sub(1) {
+            Some(tool) if tool < scene.tool_count() => scene.tool_id(tool).to_owned(),
+            _ => String::new(),
+        };
         let link = |(t, forces): (usize, &ForceCounts)| {
             let tally = &self.tools[t];
             let counters: &LinkCounters = &self.gauges.poses[t].counters;

@@ -146,6 +146,7 @@ fn a_loop_in_real_time_waits_for_no_late_worker_and_its_recording_replays() {
         clock: Clock::Realtime,
         ticks: None,
         privileged: false,
+        follow: false,
     };
     // A clock that stands still: nothing overruns.
     let mut driver = Driver::new(scene.clone(), tick_ports, Box::new(port), settings, || 0);
@@ -161,10 +162,7 @@ fn a_loop_in_real_time_waits_for_no_late_worker_and_its_recording_replays() {
             [0.001 * libm::sin(f64::from(k) * 0.01), 0.0, z],
         );
         bus.poses[0].offer(pose, SenderId::default());
-        driver.turn(Wake {
-            late_ns: 0,
-            skipped: 0,
-        });
+        driver.turn(Wake::default());
         forces.push(driver.record().output.tools[0].force_n.norm());
         while bus.outputs.pop().is_ok() {}
         while bus.records.pop().is_ok() {}

@@ -346,7 +346,7 @@ class RecorderState(enum.IntEnum):
 class LoopStatus(Message):
     """Health of the loop, ten times a second."""
 
-    NAME = "palpate.LoopStatus.v3"
+    NAME = "palpate.LoopStatus.v4"
     KEY = "palpate/{instance}/status"
 
     tick: U64
@@ -375,6 +375,12 @@ class LoopStatus(Message):
     """0 is full quality; 1: bodies iterate once a step; 2: also fewer sweeps over contacts; 3: also nets ten times
     rarer.
     """
+    followed_tool: str
+    """Tool whose poses the deadlines of ticks follow; empty: none."""
+    shift_s: float
+    """How far deadlines have moved from the fixed grid of the first tick, s."""
+    wait: Quantiles
+    """Time from the arrival of a pose to the tick that took it; of each tick the longest."""
 
 
 @dataclass(frozen=True)

@@ -316,7 +316,7 @@ export const RecorderState = choice(
 export type RecorderState = Value<typeof RecorderState>;
 
 /** Health of the loop, ten times a second. */
-export const LoopStatus = message("palpate.LoopStatus.v3", "status", {
+export const LoopStatus = message("palpate.LoopStatus.v4", "status", {
   /** Newest tick. */
   tick: u64,
   /** What the loop does. */
@@ -343,6 +343,12 @@ export const LoopStatus = message("palpate.LoopStatus.v3", "status", {
    * 0 is full quality; 1: bodies iterate once a step; 2: also fewer sweeps over contacts; 3: also nets ten times rarer.
    */
   quality_level: u8,
+  /** Tool whose poses the deadlines of ticks follow; empty: none. */
+  followed_tool: text,
+  /** How far deadlines have moved from the fixed grid of the first tick, s. */
+  shift_s: f64,
+  /** Time from the arrival of a pose to the tick that took it; of each tick the longest. */
+  wait: Quantiles,
 });
 export type LoopStatus = Of<typeof LoopStatus>;
 

@@ -43,7 +43,7 @@ export function statusOf(tick, tools, state = "Running", recorder = "Off") {
   const zero = { superseded: 0n, wrong_version: 0n, malformed: 0n, oversized: 0n, not_finite: 0n, bad_quaternion: 0n, duplicated: 0n, out_of_order: 0n, jumps: 0n, stale_ticks: 0n, energy_j: 0, forces_sent: 0n, forces_overtaken: 0n, forces_lost: 0n };
   return {
     tick, state, rate_hz: 1000, late_ticks: 3n, skipped_ticks: 0n, period: { p50_ns: 1_000_000n, p99_ns: 1_050_000n, max_ns: 1_200_000n },
-    step: quantiles, tools: tools.map((tool) => ({ tool, received: 0n, ...zero })), recorder, recorder_bytes: 0n, recorder_drops: 0n, quality_level: 0,
+    step: quantiles, tools: tools.map((tool) => ({ tool, received: 0n, ...zero })), recorder, recorder_bytes: 0n, recorder_drops: 0n, quality_level: 0, followed_tool: "", shift_s: 0, wait: quantiles,
   };
 }
 

@@ -4,6 +4,7 @@ use super::journal::Journal;
 use super::nets::NetPool;
 use super::overload::Overload;
 use super::pacer::{Privileges, Schedule, Wake, ask_privileges, now_ns, sleep_until};
+use super::phase::Follower;
 use super::ports::{BUS_NETS, Receipt, TickPorts};
 use super::stats::{Histogram, LATE_NS, StageHistograms};
 use super::workers::Workers;
@@ -28,6 +29,8 @@ pub struct DriverSettings {
     pub ticks: Option<u64>,
     /// Ask for FIFO scheduling and locked memory.
     pub privileged: bool,
+    /// Move deadlines to where poses come; only in real time.
+    pub follow: bool,
 }
 
 /// What a loop did.
@@ -197,10 +200,11 @@ impl Driver {
         self.begin();
         let period_ns = (self.scene.dt_s * 1e9).round() as u64;
         let mut schedule = Schedule::new(period_ns, now_ns());
+        let mut follower = Follower::new(period_ns, self.scene.tool_count());
         while !self.is_over() {
             let wake = match self.settings.clock {
                 Clock::Realtime => {
-                    sleep_until(schedule.next_ns());
+                    self.wait(schedule.next_ns(), &follower);
                     schedule.wake(now_ns())
                 }
                 Clock::Lockstep => {
@@ -211,10 +215,7 @@ impl Driver {
                         std::thread::park_timeout(Duration::from_millis(1));
                         continue;
                     }
-                    Wake {
-                        late_ns: 0,
-                        skipped: 0,
-                    }
+                    Wake::default()
                 }
             };
             self.take_commands();
@@ -223,9 +224,34 @@ impl Driver {
                 continue;
             }
             self.tick(wake);
+            if self.settings.follow {
+                self.ports
+                    .arrivals()
+                    .for_each(|(tool, at_ns)| follower.saw(tool, at_ns));
+                schedule.shift(follower.step(schedule.next_ns()));
+                let followed = follower.followed().map_or(0, |tool| tool + 1);
+                let counters = &self.ports.counters;
+                counters.followed.store(followed, Ordering::Relaxed);
+            }
         }
         self.ports.counters.finished.store(true, Ordering::Release);
         self.report
+    }
+
+    /// Until the deadline, or from shortly before it until the poses are there that it follows.
+    fn wait(&self, deadline_ns: u64, follower: &Follower) {
+        let opens_ns = deadline_ns - follower.early_ns();
+        sleep_until(opens_ns);
+        let missing = |tool: usize| {
+            follower.waits_for(tool) && !self.ports.has_come_since(tool, opens_ns)
+        };
+        while (0..self.scene.tool_count()).any(missing) {
+            let left_ns = deadline_ns.saturating_sub(now_ns());
+            if left_ns == 0 {
+                return;
+            }
+            std::thread::park_timeout(Duration::from_nanos(left_ns));
+        }
     }
 
     fn is_over(&mut self) -> bool {
@@ -323,6 +349,8 @@ impl Driver {
         }
         record.input.skipped = wake.skipped;
         laps.end(Stage::Latch);
+        let waited_ns = |(_, at_ns): (usize, u64)| laps.since_ns.saturating_sub(at_ns);
+        record.wait_ns = ports.arrivals().map(waited_ns).max();
         render(scene, state, scratch, &record.input, &mut record.output);
         ports.publish(&record.output);
         laps.end(Stage::Render);
@@ -330,7 +358,7 @@ impl Driver {
         laps.end(Stage::Deform);
         hash(state, &mut record.output);
         laps.end(Stage::Hash);
-        record.late_ns = wake.late_ns;
+        (record.late_ns, record.shift_ns) = (wake.late_ns, wake.shift_ns);
         record.stage_ns = laps.times;
         record.stage_ns[Stage::Emit] = self.emit_ns;
         nets.begin();

@@ -1,10 +1,10 @@
 //! Where poses come in, and what is counted of them.
 
+use super::pacer::now_ns;
 use palpate_sim::haptics::DevicePose;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread::Thread;
-use std::time::{Duration, Instant};
 
 /// Counters of a tool's link, by cause. Each pose that arrives is counted once: as received, or
 /// under the first cause for which it was refused.
@@ -86,10 +86,10 @@ impl SenderId {
     }
 }
 
-/// A holder that was silent for longer loses the tool to the next who sends.
-const HELD: Duration = Duration::from_millis(250);
-/// After so long without a pose of it, the same holder may count from anew.
-const SILENT: Duration = Duration::from_secs(1);
+/// A holder that was silent for longer loses the tool to the next who sends, ns.
+const HELD_NS: u64 = 250_000_000;
+/// After so long without a pose of it, the same holder may count from anew, ns.
+const SILENT_NS: u64 = 1_000_000_000;
 /// A holder that is there does not skip more numbers than these.
 const MOST_SKIPPED: u64 = 1 << 20;
 
@@ -101,31 +101,39 @@ pub struct PoseInbox {
     pub counters: Arc<LinkCounters>,
     /// Set by a duplicate: its sender missed the force and asks again.
     pub asked_again: AtomicBool,
+    /// When the newest pose arrived that was taken, ns of the monotonic clock.
+    pub(super) newest_ns: Arc<AtomicU64>,
     pub(super) tick_thread: Arc<OnceLock<Thread>>,
 }
 
 #[derive(Debug)]
 pub(super) struct InboxSlot {
     pub newest: u64,
-    /// Who moves the tool, and when it was heard.
-    pub holder: Option<(SenderId, Instant)>,
+    /// Who moves the tool, and when it was heard, ns.
+    pub holder: Option<(SenderId, u64)>,
     pub input: triple_buffer::Input<Option<SentPose>>,
 }
 
-/// A pose and who sent it.
-pub(super) type SentPose = (DevicePose, SenderId);
+/// A pose as it came.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SentPose {
+    pub pose: DevicePose,
+    pub sender: SenderId,
+    /// When, ns of the monotonic clock.
+    pub arrived_ns: u64,
+}
 
 impl PoseInbox {
     /// Takes a pose, if it is newer than the last and of whoever holds the tool.
     pub fn offer(&self, pose: DevicePose, sender: SenderId) -> Offered {
-        self.offer_at(pose, sender, Instant::now())
+        self.offer_at(pose, sender, now_ns())
     }
 
-    /// [`Self::offer`] of a pose that came at this time.
-    pub fn offer_at(&self, pose: DevicePose, sender: SenderId, now: Instant) -> Offered {
+    /// [`Self::offer`] of a pose that came at this time of the monotonic clock, ns.
+    pub fn offer_at(&self, pose: DevicePose, sender: SenderId, now_ns: u64) -> Offered {
         let mut slot = self.lock();
-        let since = |heard: Instant| now.saturating_duration_since(heard);
-        let fresh = (slot.holder).is_some_and(|(_, heard)| since(heard) <= HELD);
+        let since_ns = |heard_ns: u64| now_ns.saturating_sub(heard_ns);
+        let fresh = (slot.holder).is_some_and(|(_, heard_ns)| since_ns(heard_ns) <= HELD_NS);
         match slot.holder {
             Some((holder, _)) if holder != sender && fresh => {
                 return Offered::Stranger {
@@ -138,13 +146,13 @@ impl PoseInbox {
         }
         // And so may one that was silent: a number from the end of the range, sent by mistake or by another
         // without an id, locks no one out for longer.
-        let silent = (slot.holder).is_some_and(|(_, heard)| since(heard) > SILENT);
+        let silent = (slot.holder).is_some_and(|(_, heard_ns)| since_ns(heard_ns) > SILENT_NS);
         if silent && pose.seq < slot.newest {
             slot.newest = 0;
         }
         // Numbers begin at 1: a first pose numbered 0 repeats nothing.
         if pose.seq == slot.newest && pose.seq > 0 {
-            slot.holder = Some((sender, now));
+            slot.holder = Some((sender, now_ns));
             self.asked_again.store(true, Ordering::Release);
             return Offered::Duplicate {
                 first: LinkCounters::count(&self.counters.duplicated),
@@ -159,8 +167,13 @@ impl PoseInbox {
             };
         }
         slot.newest = pose.seq;
-        slot.holder = Some((sender, now));
-        slot.input.write(Some((pose, sender)));
+        slot.holder = Some((sender, now_ns));
+        slot.input.write(Some(SentPose {
+            pose,
+            sender,
+            arrived_ns: now_ns,
+        }));
+        self.newest_ns.store(now_ns, Ordering::Release);
         LinkCounters::count(&self.counters.received);
         drop(slot);
         if let Some(thread) = self.tick_thread.get() {
@@ -171,8 +184,8 @@ impl PoseInbox {
 
     /// Who holds the tool.
     pub fn holder(&self) -> Option<SenderId> {
-        let (holder, heard) = self.lock().holder?;
-        (heard.elapsed() <= HELD).then_some(holder)
+        let (holder, heard_ns) = self.lock().holder?;
+        (now_ns().saturating_sub(heard_ns) <= HELD_NS).then_some(holder)
     }
 
     /// This client holds the tool, or no one does.
@@ -205,6 +218,7 @@ mod tests {
             }),
             counters: Arc::default(),
             asked_again: AtomicBool::new(false),
+            newest_ns: Arc::default(),
             tick_thread: Arc::default(),
         }
     }
@@ -223,12 +237,10 @@ mod tests {
 
     #[test]
     fn a_number_from_the_end_of_the_range_locks_a_tool_for_a_second_at_most() {
-        let begun = Instant::now();
-        let at = |ms: u64| begun + Duration::from_millis(ms);
         let nobody = SenderId::default();
         for last in [u64::MAX, u64::MAX - 1, 1 << 63, (1 << 53) + 1] {
             let inbox = inbox();
-            let offer = |seq, ms| inbox.offer_at(numbered(seq), nobody, at(ms));
+            let offer = |seq, ms| inbox.offer_at(numbered(seq), nobody, ms * 1_000_000);
             assert_eq!(offer(last, 0), Offered::Taken);
             let mut first_taken = None;
             for ms in 1..3000 {

@@ -13,6 +13,7 @@ mod maker;
 pub mod nets;
 pub mod overload;
 pub mod pacer;
+pub mod phase;
 pub mod playback;
 pub mod pool;
 pub mod ports;

@@ -1,20 +1,25 @@
 //! When ticks are due.
 
-/// Deadlines at a fixed period. A late tick keeps the next deadline; deadlines that have passed
-/// whole are dropped, never caught up in a burst.
+/// Deadlines at a period, which can be moved. A late tick keeps the next deadline; deadlines that have
+/// passed whole are dropped, never caught up in a burst.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Schedule {
     period_ns: u64,
     next_ns: u64,
+    /// How far deadlines have moved.
+    shift_ns: i64,
 }
 
 /// What a wake-up found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Wake {
     /// How long after its deadline, ns.
     pub late_ns: u64,
     /// Deadlines dropped.
     pub skipped: u32,
+    /// How much later it was due than on the grid of the first deadline, ns; a tick that begins before its
+    /// deadline is due when it begins.
+    pub shift_ns: i64,
 }
 
 impl Schedule {
@@ -23,6 +28,7 @@ impl Schedule {
         Self {
             period_ns,
             next_ns: now_ns + period_ns,
+            shift_ns: 0,
         }
     }
 
@@ -31,14 +37,22 @@ impl Schedule {
         self.next_ns
     }
 
-    /// Woken at `now_ns`, at or after the deadline.
+    /// Moves the next deadline, and with it all that follow.
+    pub fn shift(&mut self, by_ns: i64) {
+        self.next_ns = self.next_ns.saturating_add_signed(by_ns);
+        self.shift_ns += by_ns;
+    }
+
+    /// A tick begins at `now_ns`.
     pub fn wake(&mut self, now_ns: u64) -> Wake {
         let late_ns = now_ns.saturating_sub(self.next_ns);
+        let early_ns = self.next_ns.saturating_sub(now_ns);
         let skipped = late_ns / self.period_ns;
         self.next_ns += (skipped + 1) * self.period_ns;
         Wake {
             late_ns,
             skipped: skipped.min(u64::from(u32::MAX)) as u32,
+            shift_ns: self.shift_ns - early_ns as i64,
         }
     }
 }
@@ -112,7 +126,7 @@ mod tests {
             schedule.wake(1_400),
             Wake {
                 late_ns: 400,
-                skipped: 0
+                ..Wake::default()
             }
         );
         assert_eq!(schedule.next_ns(), 2_000);
@@ -125,7 +139,8 @@ mod tests {
             schedule.wake(4_700),
             Wake {
                 late_ns: 3_700,
-                skipped: 3
+                skipped: 3,
+                shift_ns: 0
             }
         );
         assert_eq!(
@@ -133,13 +148,26 @@ mod tests {
             5_000,
             "the next deadline is on the grid and ahead"
         );
-        assert_eq!(
-            schedule.wake(5_000),
-            Wake {
-                late_ns: 0,
-                skipped: 0
-            }
-        );
+        assert_eq!(schedule.wake(5_000), Wake::default());
+    }
+
+    #[test]
+    fn moved_deadlines_and_early_ticks_say_how_far_they_are_from_the_grid() {
+        let mut schedule = Schedule::new(1_000, 0);
+        schedule.shift(-20);
+        let late = Wake {
+            late_ns: 30,
+            skipped: 0,
+            shift_ns: -20,
+        };
+        assert_eq!(schedule.wake(1_010), late);
+        schedule.shift(5);
+        let early = Wake {
+            shift_ns: -115,
+            ..Wake::default()
+        };
+        assert_eq!(schedule.wake(1_885), early);
+        assert_eq!(schedule.next_ns(), 2_985);
     }
 
     #[test]

@@ -126,6 +126,8 @@ pub struct LoopCounters {
     pub late_steps: LateSteps,
     /// Why quality last changed: index of a cause, or [`super::overload::QUIET`].
     pub quality_cause: AtomicUsize,
+    /// Number of the tool whose poses deadlines follow, from 1; 0: none.
+    pub followed: AtomicUsize,
     /// Asks the loop to fade its forces and end.
     pub stop: AtomicBool,
     /// The loop has ended.
@@ -135,8 +137,12 @@ pub struct LoopCounters {
 /// The tick thread's side.
 pub struct TickPorts {
     pub(super) poses: Vec<triple_buffer::Output<Option<SentPose>>>,
+    /// By tool: when its newest pose arrived, ns.
+    newest_ns: Vec<Arc<AtomicU64>>,
     /// By tool: who sent the newest pose that a tick took.
     senders: Vec<SenderId>,
+    /// By tool: when the pose arrived that the newest tick took, if it took one, ns.
+    arrived_ns: Vec<Option<u64>>,
     pub(super) link_counters: Vec<Arc<LinkCounters>>,
     pub(super) commands: rtrb::Consumer<CommandRequest>,
     pub(super) receipts: rtrb::Producer<Receipt>,
@@ -223,11 +229,14 @@ pub fn ports(scene: &Scene) -> (TickPorts, BusPorts) {
     let bus_thread = Arc::new(OnceLock::new());
     let counters = Arc::new(LoopCounters::default());
     let (mut poses, mut inboxes, mut link_counters) = (Vec::new(), Vec::new(), Vec::new());
+    let mut newest_ns = Vec::new();
     for _ in 0..scene.tool_count() {
         let (input, output) = triple_buffer::triple_buffer(&None);
         let counters = Arc::new(LinkCounters::default());
         poses.push(output);
         link_counters.push(counters.clone());
+        let newest: Arc<AtomicU64> = Arc::default();
+        newest_ns.push(newest.clone());
         inboxes.push(Arc::new(PoseInbox {
             slot: Mutex::new(InboxSlot {
                 newest: 0,
@@ -236,6 +245,7 @@ pub fn ports(scene: &Scene) -> (TickPorts, BusPorts) {
             }),
             counters,
             asked_again: AtomicBool::new(false),
+            newest_ns: newest,
             tick_thread: tick_thread.clone(),
         }));
     }
@@ -253,7 +263,9 @@ pub fn ports(scene: &Scene) -> (TickPorts, BusPorts) {
     let (nets, net_ends) = net_ports(scene);
     let tick = TickPorts {
         poses,
+        newest_ns,
         senders,
+        arrived_ns: vec![None; scene.tool_count()],
         link_counters,
         commands: command_out,
         receipts: receipt_in,
@@ -286,13 +298,26 @@ impl TickPorts {
     /// Newest pose of a tool that no tick has taken yet.
     pub(super) fn latch(&mut self, tool: usize) -> Option<DevicePose> {
         let slot = &mut self.poses[tool];
+        self.arrived_ns[tool] = None;
         if !slot.update() {
             return None;
         }
-        let (pose, sender) = (*slot.output_buffer())?;
-        self.senders[tool] = sender;
+        let sent = (*slot.output_buffer())?;
+        self.senders[tool] = sent.sender;
+        self.arrived_ns[tool] = Some(sent.arrived_ns);
         LinkCounters::count(&self.link_counters[tool].latched);
-        Some(pose)
+        Some(sent.pose)
+    }
+
+    /// When the poses arrived that the newest tick took, ns of the monotonic clock, by tool.
+    pub(super) fn arrivals(&self) -> impl Iterator<Item = (usize, u64)> {
+        let arrived = self.arrived_ns.iter().enumerate();
+        arrived.filter_map(|(tool, at_ns)| at_ns.map(|at_ns| (tool, at_ns)))
+    }
+
+    /// A pose of this tool has come since then, ns of the monotonic clock.
+    pub(super) fn has_come_since(&self, tool: usize, since_ns: u64) -> bool {
+        self.newest_ns[tool].load(Ordering::Acquire) >= since_ns
     }
 
     /// True when every tool has a pose that no tick has taken.

@@ -79,6 +79,7 @@ impl Host {
             clock: Clock::Realtime,
             ticks: None,
             privileged: false,
+            follow: false,
         };
         let driver = Driver::new(scene.clone(), tick_ports, Box::new(port), settings, now_ns);
         let period_ns = (scene.dt_s * 1e9).round() as u64;
@@ -156,7 +157,7 @@ impl Host {
 
     /// A pose arrives.
     pub fn pose(&mut self, pose: &ToolPose, sender: SenderId) {
-        self.bus.poses[0].offer_at(wire::device_pose(pose), sender, now());
+        self.bus.poses[0].offer_at(wire::device_pose(pose), sender, now_ns());
     }
 
     /// A device describes itself.

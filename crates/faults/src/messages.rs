@@ -2,7 +2,7 @@
 
 use super::check::LoopCheck;
 use super::plan::SCENES;
-use super::{now, set_now, world};
+use super::{set_now, world};
 use palpate::transport::loop_command;
 use palpate_client::proto::codec;
 use palpate_client::proto::messages::{DeviceInfo, ToolPose};
@@ -100,6 +100,7 @@ impl Stepped {
             clock: Clock::Lockstep,
             ticks: None,
             privileged: false,
+            follow: false,
         };
         let journal = Box::new(NoJournal);
         Self {
@@ -155,7 +156,7 @@ impl Stepped {
     }
 
     fn pose(&mut self, pose: &ToolPose, sender: SenderId) -> bool {
-        let offered = self.bus.poses[0].offer_at(wire::device_pose(pose), sender, now());
+        let offered = self.bus.poses[0].offer_at(wire::device_pose(pose), sender, super::now_ns());
         offered == palpate_drive::ports::Offered::Taken
     }
 
@@ -173,11 +174,7 @@ impl Stepped {
     fn ticks(&mut self, count: u64) -> Result<bool, String> {
         for _ in 0..count {
             set_now(super::now_ns() + TICK_NS);
-            let wake = Wake {
-                late_ns: 0,
-                skipped: 0,
-            };
-            if !self.driver.turn(wake) {
+            if !self.driver.turn(Wake::default()) {
                 return Ok(false);
             }
             let record = self.driver.record();

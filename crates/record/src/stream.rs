@@ -26,6 +26,8 @@ pub(super) struct TickHead {
     net_revision: u64,
     state_hash: u64,
     late_ns: u64,
+    shift_ns: i64,
+    wait_ns: Option<u64>,
     skipped: u32,
     stage_ns: StageTimes,
     moving: bool,
@@ -41,6 +43,8 @@ impl TickHead {
             net_revision: output.net_revision,
             state_hash: output.state_hash,
             late_ns: record.late_ns,
+            shift_ns: record.shift_ns,
+            wait_ns: record.wait_ns,
             skipped: record.input.skipped,
             stage_ns: record.stage_ns,
             moving: output.moving,
@@ -259,6 +263,7 @@ impl TickStream {
         (output.moving, output.quality, output.fault) = (head.moving, head.quality, head.fault);
         (record.late_ns, record.input.skipped, record.stage_ns) =
             (head.late_ns, head.skipped, head.stage_ns);
+        (record.shift_ns, record.wait_ns) = (head.shift_ns, head.wait_ns);
         take(Message::tick(record, self.tool_count));
         self.last_tick = head.tick;
         self.stages.add(&head.stage_ns);

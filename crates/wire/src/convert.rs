@@ -182,6 +182,8 @@ pub fn tick_to_proto(record: &TickRecord, tool_count: usize) -> pb::Tick {
         late_ns: record.late_ns,
         skipped: record.input.skipped,
         stage_ns: record.stage_ns.values().to_vec(),
+        shift_ns: record.shift_ns,
+        wait_ns: record.wait_ns,
     }
 }
 
@@ -200,6 +202,8 @@ pub fn tick_from_proto(tick: &pb::Tick) -> Result<TickRecord, ConvertError> {
     }
     let mut record = TickRecord {
         late_ns: tick.late_ns,
+        shift_ns: tick.shift_ns,
+        wait_ns: tick.wait_ns,
         stage_ns: StageTimes::from_recorded(&tick.stage_ns),
         ..TickRecord::for_tools(tick.tools.len())
     };

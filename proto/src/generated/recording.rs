@@ -131,6 +131,12 @@ pub struct Tick {
     /// 0: full. 1: bodies iterate once a step. 2: also fewer sweeps over contacts. 3: also nets ten times rarer.
     #[prost(uint32, tag = "10")]
     pub quality: u32,
+    /// How much later the tick was due than on the fixed grid of the first, ns: deadlines that follow a device move.
+    #[prost(sint64, tag = "11")]
+    pub shift_ns: i64,
+    /// How long the pose waited that waited longest of those the tick took, ns; absent where it took none.
+    #[prost(uint64, optional, tag = "12")]
+    pub wait_ns: ::core::option::Option<u64>,
 }
 /// Full state after a tick.
 #[derive(Clone, PartialEq, ::prost::Message)]

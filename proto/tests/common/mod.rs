@@ -180,6 +180,13 @@ pub fn loop_status() -> LoopStatus {
         recorder_bytes: 12_345_678,
         recorder_drops: 1,
         quality_level: 2,
+        followed_tool: "pen".into(),
+        shift_s: -2.5e-4,
+        wait: Quantiles {
+            p50_ns: 12_000,
+            p99_ns: 80_000,
+            max_ns: 410_000,
+        },
     }
 }
 

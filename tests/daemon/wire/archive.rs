@@ -109,6 +109,7 @@ fn requests_go_to_the_keeper_and_its_news_become_answers_events_and_tokens() {
         clock: scene.clock,
         ticks: None,
         privileged: false,
+        follow: false,
     };
     let thread = driver::start(scene, tick_ports, Box::new(NoJournal), driving).unwrap();
 

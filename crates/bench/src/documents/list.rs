@@ -312,7 +312,7 @@ pub(super) fn tables() -> Vec<Table> {
         figures(
             "haptics times",
             "docs/figures.md",
-            Rows(Suite::Haptics, &[("latency/*", "*"), ("lateness/*", "*")]),
+            Rows(Suite::Haptics, &[("latency/*", "*"), ("lateness/*", "*"), ("rate/*", "*")]),
             true,
         ),
         figures(

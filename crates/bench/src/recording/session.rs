@@ -103,6 +103,7 @@ impl Simulated {
             output,
             late_ns: u64::from(jitter) * 4,
             stage_ns,
+            ..TickRecord::default()
         }
     }
 

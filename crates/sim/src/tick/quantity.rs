@@ -183,6 +183,7 @@ pub const OF_LOOP: &[OfLoop] = &[
     of_loop("hash", "hash of all state after the tick", Some("state_hash"), |record| record.output.state_hash),
     of_loop("skipped", "deadlines dropped before the tick", Some("skipped"), |record| u64::from(record.input.skipped)),
     of_loop("late_ns", "how late the tick began, ns", Some("late_ns"), |record| record.late_ns),
+    of_loop("wait_ns", "how long the pose waited that waited longest of those the tick took, ns; 0 where it took none", None, |record| record.wait_ns.unwrap_or(0)),
     of_loop("step_ns", "wall time of all stages, ns", None, |record| record.stage_ns.total()),
 ];
 

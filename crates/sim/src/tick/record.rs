@@ -321,6 +321,10 @@ pub struct TickRecord {
     pub output: TickOutput,
     /// How late it began, ns.
     pub late_ns: u64,
+    /// How much later it was due than on the fixed grid of the first tick, ns: deadlines that follow a device move.
+    pub shift_ns: i64,
+    /// How long the pose waited that waited longest of those the tick took, ns; none where it took none.
+    pub wait_ns: Option<u64>,
     /// Wall time of each stage, ns.
     pub stage_ns: StageTimes,
 }
@@ -340,6 +344,8 @@ clone_in_place!(TickRecord {
     input,
     output,
     late_ns,
+    shift_ns,
+    wait_ns,
     stage_ns
 });
 

@@ -63,6 +63,8 @@ export class StatusBar {
     const { status } = world;
     if (status === null) return;
     this.put("rate", `${status.rate_hz.toFixed(0)} Hz`, this.slower(world, status.rate_hz));
+    const waited = withUnit(Number(status.wait.p50_ns) * 1e-9, "s");
+    this.explain("rate", status.followed_tool === "" ? "Ticks on a fixed grid of time" : `Ticks follow the poses of ${status.followed_tool}, which wait ${waited}`);
     const [late, skipped] = [Number(status.late_ticks), Number(status.skipped_ticks)];
     this.put("late", few(late), skipped > 0 ? `late, ${few(skipped)} skipped` : "late", skipped > 0 ? "warn" : "");
     this.forces(status);
