@@ -8,7 +8,6 @@
 //! integrator.
 
 mod cuts;
-mod growth;
 mod hard;
 mod indent;
 mod motion;
@@ -17,6 +16,7 @@ mod peers;
 mod plasticine;
 mod poking;
 mod refit;
+mod scaling;
 mod scenes;
 mod svg;
 mod theory;
@@ -24,6 +24,7 @@ mod world;
 
 pub use hard::{HardRow, hard_cases, hard_table};
 pub use motion::trust::{TrustRow, trust_table};
+pub use scaling::scaling;
 pub use plasticine::{Sweep, plasticine_picture, plasticine_table};
 pub use svg::{pareto, trust_picture};
 
@@ -97,6 +98,5 @@ pub fn deformation(effort: Effort, cases: Cases<'_>, out: &mut dyn FnMut(Row)) -
     poking::rows(effort, &wanted, out);
     cuts::cuts(effort, &wanted, out);
     passes::rows(effort, &wanted, out);
-    growth::rows(effort, &wanted, out);
     plasticine::rows(effort, &wanted, out)
 }

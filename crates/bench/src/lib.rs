@@ -31,7 +31,7 @@ pub use bars::{BarOptions, bars};
 pub use contact::{contact, picture};
 pub use deformation::{
     HardRow, Sweep, TrustRow, deformation, hard_cases, hard_table, pareto, plasticine_picture,
-    plasticine_table, trust, trust_picture, trust_table,
+    plasticine_table, scaling, trust, trust_picture, trust_table,
 };
 pub use documents::{DocumentOptions, documents};
 pub use faults::{FaultOptions, faults};

@@ -8,7 +8,7 @@ use palpate_bench::{
     RecorderOptions, RelayOptions, Row, SoakOptions, SubscriberOptions, TrustRow, bars, census,
     contact, deformation, documents, faults, figures_table, haptics, hard_cases, hard_table,
     modeling, pareto, parts, parts_picture, picture, plasticine_picture, plasticine_table,
-    record_until_killed, recording, relay, soak, subscribers, surface, table, trust, trust_picture,
+    record_until_killed, recording, relay, scaling, soak, subscribers, surface, table, trust, trust_picture,
     trust_table, viewer,
 };
 use std::io::Write;
@@ -90,6 +90,8 @@ enum Suite {
     Soak(SoakOptions),
     /// Merge, isolate, pipe and branch: times, deviations, ratios, gaps and angles.
     Modeling(Options),
+    /// What a tick costs over tools, bodies, contacts, nodes, nets and faces, with fitted exponents.
+    Scaling(Options),
     /// Closest points of parts from STEP files, their areas and volumes, against references; and a ball slid over
     /// them in the loop.
     ///
@@ -210,6 +212,7 @@ fn run(args: &Cli) -> anyhow::Result<ExitCode> {
             say_what_is_left_out();
         }
         Suite::Modeling(options) => drop(options.rows(modeling)?),
+        Suite::Scaling(options) => drop(options.rows(scaling)?),
         Suite::Parts {
             census: Some(folder),
             ..
