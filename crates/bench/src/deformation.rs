@@ -84,6 +84,7 @@ pub fn deformation(effort: Effort, cases: Cases<'_>, out: &mut dyn FnMut(Row)) -
     }
     if wanted("tick/teardrop/default") {
         out(indent::default_tick_row("tick/teardrop/default", effort));
+        indent::baseline_tick_row("tick/teardrop/default").into_iter().for_each(&mut *out);
     }
     for model in ["lattice", "continuum", "net"] {
         let case = format!("tick/teardrop/{model}");

@@ -140,6 +140,8 @@ const ROWS: &[Promise] = &[
     long(most(Suite::Deformation, "motion/bounce", ONE, Error, 0.05)),
     long(most(Suite::Deformation, "stability/poking/*", "*", Wrong, 0.0)),
     long(least(Suite::Deformation, "indent/12/x1", LATTICE, TimesLonger(RAPIER), 23.0)),
+    // Nor is a processor without wide instructions too slow.
+    long(most(Suite::Deformation, "tick/teardrop/default", "default", TimesLonger("without AVX2 and F16C"), 3.0)),
     long(least(Suite::Deformation, "indent/12/x1", CONTINUUM, TimesLonger(RAPIER), 11.0)),
     long(own(Suite::Hard, "hard/*")),
 

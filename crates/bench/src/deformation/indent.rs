@@ -226,10 +226,37 @@ pub(super) fn tick_row(case: &str, model: &'static str, effort: Effort) -> Row {
     ticks_of(case, model, &shape.text(1_000), effort)
 }
 
+/// The method of rows without wide instructions.
+const BASELINE: &str = "without AVX2 and F16C";
+
 /// Ticks of the scene that people meet first.
 pub(super) fn default_tick_row(case: &str, effort: Effort) -> Row {
     let text = include_str!("../../../../scenes/teardrop.toml");
     ticks_of(case, "default", text, effort)
+}
+
+/// The same in a process of this program that is held to the instructions of every x86-64 processor.
+pub(super) fn baseline_tick_row(case: &str) -> Option<Row> {
+    let program = std::env::current_exe().ok()?;
+    // Tests are another program, and that process has no such process.
+    if program.file_stem()? != "palpate-bench" || std::env::var_os("PALPATE_SIMD").is_some() {
+        return None;
+    }
+    let mut command = std::process::Command::new(program);
+    command.args(["deformation", "--quick", "--json", "--only", case]);
+    let output = command.env("PALPATE_SIMD", "baseline").output().ok()?;
+    let printed = String::from_utf8(output.stdout).ok()?;
+    let row = printed.lines().find_map(|line| {
+        let row: serde_json::Value = serde_json::from_str(line).ok()?;
+        let times = Times {
+            median_s: row["median_s"].as_f64()?,
+            p99_s: row["p99_s"].as_f64()?,
+            n: row["n"].as_u64()? as usize,
+        };
+        let note = row["note"].as_str()?;
+        Some(Row::new("deformation", case, BASELINE).timed(times).saying(note))
+    });
+    Some(row.unwrap_or_else(|| failed(case, &"the process without AVX2 printed no times")))
 }
 
 /// Pressed 0 to 3 mm deep and slid over.

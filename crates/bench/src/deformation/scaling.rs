@@ -77,8 +77,8 @@ const GROWTHS: [Growth; 6] = [
         scene: |n| format!("{}{}", soft_teardrop(), balls(n)),
         hands: |n, t| {
             let hand = |k: usize| {
-                let z = 0.03 + 0.03 * (k as f64 + 0.5) / n as f64;
-                [0.0335 - 1e-4 * t, 0.003, z]
+                let z = 0.035 + 0.02 * (k as f64 + 0.5) / n as f64;
+                [0.0245 + 1e-4 * libm::sin(t), 0.003, z]
             };
             (0..n).map(hand).collect()
         },
@@ -109,15 +109,16 @@ fn soft_teardrop() -> String {
         .to_owned()
 }
 
-/// Balls of 5 mm on a floor, and a tool far above.
+/// Pucks of 40 mm on a floor, and a tool far above.
 fn at_rest(n: usize) -> String {
-    let mut text = "[gravity]\nacceleration = [0.0, 0.0, -9.81]\n[[body]]\nid = \"floor\"\nsurface = { builtin = \"sheet\", size = 0.4 }\n"
+    let puck = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/stack/puck.json");
+    let mut text = "[gravity]\nacceleration = [0.0, 0.0, -9.81]\n[[body]]\nid = \"floor\"\nsurface = { builtin = \"sheet\", size = 1.0 }\n"
         .to_owned();
     for k in 0..n {
-        let (x, y) = (0.02 * (k % 8) as f64 - 0.07, 0.02 * (k / 8) as f64 - 0.07);
+        let (x, y) = (0.05 * (k % 8) as f64 - 0.17, 0.05 * (k / 8) as f64 - 0.17);
         text += &format!(
-            "[[body]]\nid = \"b{k}\"\nfree = true\nsurface = {{ builtin = \"sphere\", size = 0.005, net = [8, 8] }}\n\
-             material = {{ density_kg_m3 = 1000.0 }}\npose = {{ position = [{x:?}, {y:?}, 0.00502] }}\n"
+            "[[body]]\nid = \"b{k}\"\nfree = true\nsurface = {{ file = {puck:?} }}\n\
+             material = {{ density_kg_m3 = 1000.0 }}\npose = {{ position = [{x:?}, {y:?}, 0.00002] }}\n"
         );
     }
     text + &balls(1)

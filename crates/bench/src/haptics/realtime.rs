@@ -151,7 +151,7 @@ fn eight_tools() -> String {
 /// The main scene at 4 kHz, its body stepping a thousand times a second beside the loop.
 fn at_4_khz(model: &str) -> String {
     let body = format!("model = \"{model}\"\nintegrator = {{ every = 4 }}");
-    format!("{RATE_4_KHZ}{TEARDROP}").replace("model = \"continuum\"", &body)
+    format!("{TEARDROP}{RATE_4_KHZ}").replace("model = \"continuum\"", &body)
 }
 
 fn figure(
