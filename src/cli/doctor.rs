@@ -153,6 +153,12 @@ fn print(report: &DoctorReport) {
         );
     }
     for scene in &report.scenes {
+        println!(
+            "force of {:<17}p50 {:.0} us, p99 {:.0} us after the poses are taken",
+            scene.scene, scene.force.p50_us, scene.force.p99_us
+        );
+    }
+    for scene in &report.scenes {
         let (asked_hz, name) = (scene.scene_hz, format!("{} can run at", scene.scene));
         match scene.holds_hz {
             _ if scene.contact_ticks == 0 => {

@@ -24,9 +24,9 @@ mod world;
 
 pub use hard::{HardRow, hard_cases, hard_table};
 pub use motion::trust::{TrustRow, trust_table};
-pub use scaling::scaling;
 pub use plasticine::{Sweep, plasticine_picture, plasticine_table};
-pub use svg::{pareto, trust_picture};
+pub use scaling::scaling;
+pub use svg::{latency_picture, pareto, trust_picture};
 
 use super::{Cases, Effort, Row};
 use scenes::{BoxCase, TeardropCase};
@@ -61,6 +61,10 @@ pub fn deformation(effort: Effort, cases: Cases<'_>, out: &mut dyn FnMut(Row)) -
         if (wanted(&case.name) || wanted(&beside)) && in_time(case.long) {
             out(indent::box_row(&case, effort));
         }
+        // Other programs than this one have no daemon in them.
+        if case.name == "indent/12/continuum/x1" && cases.are_chosen() && wanted(&case.group) {
+            out(indent::loop_row(&case, effort));
+        }
     }
     peers::rows(
         effort,
@@ -84,7 +88,9 @@ pub fn deformation(effort: Effort, cases: Cases<'_>, out: &mut dyn FnMut(Row)) -
     }
     if wanted("tick/teardrop/default") {
         out(indent::default_tick_row("tick/teardrop/default", effort));
-        indent::baseline_tick_row("tick/teardrop/default").into_iter().for_each(&mut *out);
+        indent::baseline_tick_row("tick/teardrop/default")
+            .into_iter()
+            .for_each(&mut *out);
     }
     for model in ["lattice", "continuum", "net"] {
         let case = format!("tick/teardrop/{model}");

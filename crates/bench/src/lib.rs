@@ -30,8 +30,8 @@ mod viewer;
 pub use bars::{BarOptions, bars};
 pub use contact::{contact, picture};
 pub use deformation::{
-    HardRow, Sweep, TrustRow, deformation, hard_cases, hard_table, pareto, plasticine_picture,
-    plasticine_table, scaling, trust, trust_picture, trust_table,
+    HardRow, Sweep, TrustRow, deformation, hard_cases, hard_table, latency_picture, pareto,
+    plasticine_picture, plasticine_table, scaling, trust, trust_picture, trust_table,
 };
 pub use documents::{DocumentOptions, documents};
 pub use faults::{FaultOptions, faults};

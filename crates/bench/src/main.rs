@@ -7,9 +7,9 @@ use palpate_bench::{
     BarOptions, Cases, DocumentOptions, Effort, FaultOptions, Figure, HardRow, LEFT_OUT,
     RecorderOptions, RelayOptions, Row, SoakOptions, SubscriberOptions, TrustRow, bars, census,
     contact, deformation, documents, faults, figures_table, haptics, hard_cases, hard_table,
-    modeling, pareto, parts, parts_picture, picture, plasticine_picture, plasticine_table,
-    record_until_killed, recording, relay, scaling, soak, subscribers, surface, table, trust, trust_picture,
-    trust_table, viewer,
+    latency_picture, modeling, pareto, parts, parts_picture, picture, plasticine_picture,
+    plasticine_table, record_until_killed, recording, relay, scaling, soak, subscribers, surface,
+    table, trust, trust_picture, trust_table, viewer,
 };
 use std::io::Write;
 use std::process::ExitCode;
@@ -41,6 +41,10 @@ enum Suite {
         /// Write plots of time against force error and motion error to this SVG file.
         #[arg(long)]
         svg: Option<std::path::PathBuf>,
+        /// Write a plot of the time from pose to force against the force's error, of the box `indent/12/x1`,
+        /// to this SVG file.
+        #[arg(long)]
+        latency_svg: Option<std::path::PathBuf>,
         /// Write a plot of plasticine displacement over force and stiffness to this SVG file.
         #[arg(long)]
         plasticine_svg: Option<std::path::PathBuf>,
@@ -228,6 +232,7 @@ fn run(args: &Cli) -> anyhow::Result<ExitCode> {
         Suite::Deformation {
             options,
             svg,
+            latency_svg,
             plasticine_svg,
         } => {
             let (rows, sweeps) = options.rows(deformation)?;
@@ -243,6 +248,7 @@ fn run(args: &Cli) -> anyhow::Result<ExitCode> {
             }
             say_what_is_left_out();
             write(svg, || pareto(&rows))?;
+            write(latency_svg, || latency_picture(&rows))?;
             write(plasticine_svg, || plasticine_picture(&sweeps))?;
         }
         Suite::Trust { options, svg } => {

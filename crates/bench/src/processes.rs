@@ -1,6 +1,7 @@
 //! Daemons and devices in processes of their own, and the files that they read.
 
-use palpate_client::{Connect, Palpate};
+use palpate_client::{Connect, Palpate, Tool, pose_at};
+use palpate_drive::pacer::{ask_privileges, now_ns, sleep_until};
 use std::net::TcpListener;
 use std::os::unix::process::CommandExt as _;
 use std::path::PathBuf;
@@ -99,6 +100,54 @@ impl Drop for Process {
     fn drop(&mut self) {
         let _ = self.0.kill();
         let _ = self.0.wait();
+    }
+}
+
+/// A client with a clock of its own, as a device has one.
+pub(super) struct Servo {
+    pub every: Duration,
+    /// Poses before any counts: to be seated, to press, to be followed.
+    pub first: usize,
+    pub count: usize,
+}
+
+impl Servo {
+    /// Sends a pose in each period, at the place of its number, and waits for its force. Gives the times
+    /// from pose to force, in ascending order, s, and the last force along z, N.
+    pub(super) fn run(
+        &self,
+        mut tool: Tool,
+        place: impl Fn(usize) -> [f64; 3] + Send + 'static,
+    ) -> anyhow::Result<(Vec<f64>, f64)> {
+        let (first, count) = (self.first, self.count);
+        let every_ns = self.every.as_nanos() as u64;
+        let run = move || {
+            ask_privileges();
+            let (mut times_s, mut force_n) = (Vec::with_capacity(count), 0.0);
+            let mut due = now_ns();
+            for k in 0..first + count {
+                due += every_ns;
+                sleep_until(due);
+                let sent = Instant::now();
+                let seq = tool.send(pose_at(place(k)))?;
+                if let Some(force) = tool.wait_force(seq, Duration::from_millis(100)) {
+                    force_n = force.force[2];
+                    if k >= first {
+                        times_s.push(sent.elapsed().as_secs_f64());
+                    }
+                }
+                // What is late is not caught up in a burst.
+                due += now_ns().saturating_sub(due) / every_ns * every_ns;
+            }
+            times_s.sort_by(f64::total_cmp);
+            anyhow::Ok((times_s, force_n))
+        };
+        // A thread of its own: what it is granted ends with it.
+        let run = std::thread::spawn(run).join();
+        let (times_s, force_n) =
+            run.map_err(|_| anyhow::anyhow!("the client's thread panicked"))??;
+        anyhow::ensure!(!times_s.is_empty(), "no force came back");
+        Ok((times_s, force_n))
     }
 }
 

@@ -242,9 +242,8 @@ impl Driver {
     fn wait(&self, deadline_ns: u64, follower: &Follower) {
         let opens_ns = deadline_ns - follower.early_ns();
         sleep_until(opens_ns);
-        let missing = |tool: usize| {
-            follower.waits_for(tool) && !self.ports.has_come_since(tool, opens_ns)
-        };
+        let missing =
+            |tool: usize| follower.waits_for(tool) && !self.ports.has_come_since(tool, opens_ns);
         while (0..self.scene.tool_count()).any(missing) {
             let left_ns = deadline_ns.saturating_sub(now_ns());
             if left_ns == 0 {

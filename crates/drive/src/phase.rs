@@ -157,8 +157,8 @@ impl Follower {
             return 0;
         };
         let period_ns = self.period_ns as i64;
-        let ahead_ns = (target.place_ns as i64 - (next_ns % self.period_ns) as i64)
-            .rem_euclid(period_ns);
+        let ahead_ns =
+            (target.place_ns as i64 - (next_ns % self.period_ns) as i64).rem_euclid(period_ns);
         let off_ns = if ahead_ns > period_ns / 2 {
             ahead_ns - period_ns
         } else {
@@ -267,7 +267,10 @@ mod tests {
                 .collect();
             let opens = deadline - self.follower.early_ns();
             let since = |poses: &Vec<u64>| {
-                let mut since = poses.iter().copied().filter(|at| (opens..deadline).contains(at));
+                let mut since = poses
+                    .iter()
+                    .copied()
+                    .filter(|at| (opens..deadline).contains(at));
                 since.next().unwrap_or(deadline)
             };
             let latest = (self.pending.iter().zip(&waits_for))
@@ -299,8 +302,19 @@ mod tests {
 
     #[test]
     fn ticks_come_just_after_the_poses_of_a_device_wherever_it_began() {
-        for (start, jitter) in [(0, 0), (130_000, 80_000), (500_000, 200_000), (999_000, 40_000)] {
-            for period in [PERIOD_NS, PERIOD_NS + 50, PERIOD_NS - 300, 2 * PERIOD_NS, PERIOD_NS / 4] {
+        for (start, jitter) in [
+            (0, 0),
+            (130_000, 80_000),
+            (500_000, 200_000),
+            (999_000, 40_000),
+        ] {
+            for period in [
+                PERIOD_NS,
+                PERIOD_NS + 50,
+                PERIOD_NS - 300,
+                2 * PERIOD_NS,
+                PERIOD_NS / 4,
+            ] {
                 let mut run = Run::new(&[(period, start)], jitter);
                 run.waits(0, 2_000);
                 let waits = run.waits(0, 4_000);
@@ -328,7 +342,10 @@ mod tests {
             run.next_ns = (run.next_ns + PERIOD_NS).saturating_add_signed(step);
         }
         let elapsed = run.next_ns - begun;
-        assert!(moved <= elapsed / LONG_RUN + 2 * PERIOD_NS, "{moved} of {elapsed} ns");
+        assert!(
+            moved <= elapsed / LONG_RUN + 2 * PERIOD_NS,
+            "{moved} of {elapsed} ns"
+        );
     }
 
     #[test]
@@ -337,7 +354,10 @@ mod tests {
         for _ in 0..5_000 {
             assert_eq!(run.tick().1, 0);
         }
-        assert_eq!((run.follower.followed(), run.follower.early_ns()), (None, 0));
+        assert_eq!(
+            (run.follower.followed(), run.follower.early_ns()),
+            (None, 0)
+        );
     }
 
     #[test]

@@ -7,7 +7,7 @@ use palpate_geometry::math::{Point3, Vector3};
 use palpate_sim::haptics::DevicePose;
 use palpate_sim::scene::{Scene, file};
 use palpate_sim::tick::record::{TickOutput, TickRecord};
-use palpate_sim::tick::step_into;
+use palpate_sim::tick::{deform, hash, render};
 use palpate_wire as wire;
 use serde::Serialize;
 use std::sync::Arc;
@@ -58,6 +58,8 @@ pub(super) struct SceneRate {
     pub ticks: u64,
     pub contact_ticks: u64,
     pub tick: RateFigures,
+    /// From the poses to the forces.
+    pub force: RateFigures,
     /// Highest of [`RATES_HZ`] that the machine holds.
     pub holds_hz: Option<f64>,
 }
@@ -94,6 +96,7 @@ impl Pressing {
             scratch.set_pipeline(Box::new(workers));
         }
         let mut took_ns = Vec::with_capacity(ticks as usize);
+        let mut force_ns = Vec::with_capacity(ticks as usize);
         let (mut contact_ticks, mut due, mut took) = (0, now_ns(), 0);
         // All ticks together are one press, however few they are.
         let pace_s = PRESS_S / ticks.max(1) as f64;
@@ -114,14 +117,19 @@ impl Pressing {
             due = (due + period_ns).max(now_ns() + took / 9);
             sleep_until(due);
             let start = now_ns();
-            step_into(&scene, &mut state, &mut scratch, &input, &mut output);
+            render(&scene, &mut state, &mut scratch, &input, &mut output);
+            let felt = now_ns() - start;
+            deform(&scene, &mut state, &mut scratch, &mut output);
+            hash(&state, &mut output);
             took = now_ns() - start;
             if k >= WARM_TICKS {
+                force_ns.push(felt);
                 took_ns.push(took);
                 contact_ticks += u64::from(!output.contacts.list().is_empty());
             }
         }
         took_ns.sort_unstable();
+        force_ns.sort_unstable();
         let holds = |hz: &u32| {
             share_in_time(&took_ns, sorted_lateness_ns, 1_000_000_000 / u64::from(*hz)) >= IN_TIME
         };
@@ -131,6 +139,7 @@ impl Pressing {
             ticks,
             contact_ticks,
             tick: RateFigures::of(&took_ns),
+            force: RateFigures::of(&force_ns),
             holds_hz: RATES_HZ.into_iter().find(holds).map(f64::from),
         }
     }

@@ -5,9 +5,10 @@ use super::scenes::{BoxCase, TeardropCase};
 use super::world::World;
 use super::{BOX_REFERENCE_N, Effort, Row, TEARDROP_REFERENCE_N};
 use crate::Times;
+use crate::processes::{Files, Process, Servo, connect, free_port};
 use palpate_geometry::math::Point3;
 use palpate_geometry::surface::{ClosestSolver, Surface};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 impl World {
     /// Force on the tool held there until it is at rest.
@@ -110,6 +111,35 @@ pub(super) fn box_row(case: &BoxCase, effort: Effort) -> Row {
     );
     let row = world.row(&case.group, &method, note);
     row.off_by(error, "of the force")
+}
+
+/// The method of the whole loop, from a pose that a client sends to the force that it receives.
+pub(super) const WHOLE_LOOP: &str = "continuum implicit, from pose to force over Zenoh";
+
+/// The box in a daemon in real time, pressed by a client of 1 kHz.
+pub(super) fn loop_row(case: &BoxCase, effort: Effort) -> Row {
+    let measure = || -> anyhow::Result<Row> {
+        let files = Files::new("loop")?;
+        let scene = files.write("box.toml", &case.text())?;
+        let endpoint = format!("tcp/127.0.0.1:{}", free_port()?);
+        let _daemon = Process::start(&["serve", &scene, "--listen", &endpoint])?;
+        let palpate = connect(&endpoint)?;
+        let servo = Servo {
+            every: Duration::from_millis(1),
+            first: 1_500,
+            count: if effort == Effort::Quick {
+                1_000
+            } else {
+                10_000
+            },
+        };
+        let place = |k: usize| [0.0, 0.0, 0.035 - 1e-5 * k.min(1_500) as f64];
+        let (times_s, force_n) = servo.run(palpate.tool("ball")?, place)?;
+        palpate.close();
+        let row = Row::new("deformation", &case.group, WHOLE_LOOP).timed(Times::of(times_s));
+        Ok(row.off_by(force_n / case.scale / BOX_REFERENCE_N - 1.0, "of the force"))
+    };
+    measure().unwrap_or_else(|error| failed(&case.group, &format!("{error:#}")))
 }
 
 /// x of the ball's centre at first touch, coming along -x at the height and side of the table.
@@ -254,7 +284,11 @@ pub(super) fn baseline_tick_row(case: &str) -> Option<Row> {
             n: row["n"].as_u64()? as usize,
         };
         let note = row["note"].as_str()?;
-        Some(Row::new("deformation", case, BASELINE).timed(times).saying(note))
+        Some(
+            Row::new("deformation", case, BASELINE)
+                .timed(times)
+                .saying(note),
+        )
     });
     Some(row.unwrap_or_else(|| failed(case, &"the process without AVX2 printed no times")))
 }

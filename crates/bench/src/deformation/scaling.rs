@@ -41,7 +41,12 @@ const GROWTHS: [Growth; 6] = [
         sizes: &[1, 4, 16, 64, 256],
         scene: |n| {
             let others = (1..n).map(|k| sphere(&format!("b{k}"), [8, 8], 0.1 * k as f64));
-            format!("{}{}{}", sphere("ball", [8, 8], 0.0), others.collect::<String>(), balls(1))
+            format!(
+                "{}{}{}",
+                sphere("ball", [8, 8], 0.0),
+                others.collect::<String>(),
+                balls(1)
+            )
         },
         hands: |_, t| around_sphere(1, t),
         first: 100,
@@ -227,13 +232,7 @@ pub fn scaling(effort: Effort, cases: super::Cases<'_>, out: &mut dyn FnMut(Row)
 }
 
 /// Ticks of one size; adds it and the median tick to `points`.
-fn grown(
-    growth: &Growth,
-    case: &str,
-    n: usize,
-    effort: Effort,
-    points: &mut Vec<[f64; 2]>,
-) -> Row {
+fn grown(growth: &Growth, case: &str, n: usize, effort: Effort, points: &mut Vec<[f64; 2]>) -> Row {
     let mut world = match World::new(&(growth.scene)(n)) {
         Ok(world) => world,
         Err(why) => return failed(case, &why),
@@ -347,8 +346,18 @@ mod tests {
             let n = growth.sizes[0];
             let row = grown(growth, growth.name, n, Effort::Quick, &mut Vec::new());
             let touched = !row.note.starts_with("0 contacts") || growth.name == "at-rest";
-            assert!(row.times.is_some() && touched, "{}: {}", growth.name, row.note);
-            assert!(row.note.ends_with("0 faults"), "{}: {}", growth.name, row.note);
+            assert!(
+                row.times.is_some() && touched,
+                "{}: {}",
+                growth.name,
+                row.note
+            );
+            assert!(
+                row.note.ends_with("0 faults"),
+                "{}: {}",
+                growth.name,
+                row.note
+            );
         }
     }
 }

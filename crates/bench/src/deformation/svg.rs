@@ -51,6 +51,26 @@ pub fn pareto(rows: &[Row]) -> String {
     page_with(&charts, &front)
 }
 
+/// How soon a pose is answered, and how well, for one pressed body: an SVG document. Of the whole loop, the
+/// time from a client's pose to its force over the bus; of solvers alone, a step, which is the least that any
+/// loop around them takes. A line marks the period of 1 kHz.
+pub fn latency_picture(rows: &[Row]) -> String {
+    let shown: Vec<&Row> = rows
+        .iter()
+        .filter(|row| row.case == "indent/12/x1")
+        .collect();
+    let title = "Pressed box: time from pose to force against error of the force";
+    let mut chart = panel(&shown, title, "relative error of the force");
+    chart.curves.push(Curve {
+        name: "period of 1 kHz".to_owned(),
+        points: vec![(1e-3, LEAST_ERROR), (1e-3, 1.0)],
+        lined: true,
+        hollow: true,
+        titles: Vec::new(),
+    });
+    page_with(&[chart], &[])
+}
+
 /// True errors of forces against their estimates, a colour a body: an SVG document. Between the two lines an estimate is
 /// at least half of the error and at most five times it.
 pub fn trust_picture(rows: &[TrustRow]) -> String {

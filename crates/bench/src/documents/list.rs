@@ -312,7 +312,10 @@ pub(super) fn tables() -> Vec<Table> {
         figures(
             "haptics times",
             "docs/figures.md",
-            Rows(Suite::Haptics, &[("latency/*", "*"), ("lateness/*", "*"), ("rate/*", "*")]),
+            Rows(
+                Suite::Haptics,
+                &[("latency/*", "*"), ("lateness/*", "*"), ("rate/*", "*")],
+            ),
             true,
         ),
         figures(

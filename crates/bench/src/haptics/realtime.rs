@@ -1,10 +1,10 @@
 //! How punctual the loop is beside a bare timer, and how long a pose takes to its force beside a
 //! bare ping.
 
-use super::processes::{Files, Process, connect, free_port};
+use super::processes::{Files, Process, Servo, connect, free_port};
 use super::{Bar, Figure};
 use crate::Effort;
-use palpate_client::{pose_at, raw_ping};
+use palpate_client::raw_ping;
 use palpate_drive::driver::{self, DriverReport, DriverSettings};
 use palpate_drive::journal::NoJournal;
 use palpate_drive::pacer::{Schedule, ask_privileges, now_ns, sleep_until};
@@ -16,7 +16,7 @@ use palpate_sim::scene::{Scene, file};
 use palpate_sim::tick::stage::Stage;
 use std::path::Path;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// The scene of the bars: a soft teardrop with as many nodes as fill a tick.
 const TEARDROP: &str = include_str!("../../../../scenes/teardrop.toml");
@@ -180,47 +180,30 @@ fn latency(client: &Client, seconds: u64) -> anyhow::Result<Vec<Figure>> {
     let rate = format!("[loop]\nrate_hz = {}\n", client.rate_hz);
     let scene = files.write("wall.toml", &(rate + &wall))?;
     let endpoint = format!("tcp/127.0.0.1:{}", free_port()?);
-    let daemon = Process::start(&[&["serve", &scene, "--listen", &endpoint], client.serve].concat())?;
+    let daemon =
+        Process::start(&[&["serve", &scene, "--listen", &endpoint], client.serve].concat())?;
     let palpate = connect(&endpoint)?;
-    let mut tool = palpate.tool("tip")?;
     // A second to be seated, and to be followed.
     let first = (1.0 / client.every.as_secs_f64()) as usize;
-    let count = first * seconds as usize;
-    let every_ns = client.every.as_nanos() as u64;
-    let round_trips = move || {
-        ask_privileges();
-        let mut times = Vec::with_capacity(count);
-        let mut due = now_ns();
-        for k in 0..first + count {
-            due += every_ns;
-            sleep_until(due);
-            let z = 0.001 * libm::cos(k as f64 * 0.01);
-            let sent = Instant::now();
-            let seq = tool.send(pose_at([0.0, 0.0, z]))?;
-            if tool.wait_force(seq, Duration::from_millis(100)).is_some() && k >= first {
-                times.push(sent.elapsed().as_secs_f64());
-            }
-            // What is late is not caught up in a burst.
-            due += now_ns().saturating_sub(due) / every_ns * every_ns;
-        }
-        anyhow::Ok((tool, times))
+    let servo = Servo {
+        every: client.every,
+        first,
+        count: first * seconds as usize,
     };
-    // A thread of its own: what it is granted ends with it.
-    let round_trips = std::thread::spawn(round_trips).join();
-    let (tool, mut times) =
-        round_trips.map_err(|_| anyhow::anyhow!("the client's thread panicked"))??;
-    drop(tool);
+    let count = servo.count;
+    let place = |k: usize| [0.0, 0.0, 0.001 * libm::cos(k as f64 * 0.01)];
+    let (times, _) = servo.run(palpate.tool("tip")?, place)?;
     palpate.close();
     drop(daemon);
-    anyhow::ensure!(!times.is_empty(), "no force came back");
-    times.sort_by(f64::total_cmp);
     let ping = raw_ping(free_port()?, count.min(3_000), client.every)?;
     let quantile = |q: f64| times[((times.len() - 1) as f64 * q) as usize];
     let raw = |q: f64| ping.quantile(q) as f64 * 1e-9;
     let lost = count - times.len();
     let note = format!("{} round trips, {lost} without answer", times.len());
     let row = |k: usize, method: &str, q: f64| Figure {
-        bar: client.above_s.map(|above_s| Bar::AtMost(raw(q) + above_s[k])),
+        bar: client
+            .above_s
+            .map(|above_s| Bar::AtMost(raw(q) + above_s[k])),
         note: if k == 0 { note.clone() } else { String::new() },
         ..figure(client.case, method, quantile(q), "s", (raw(q), "raw Zenoh"))
     };
@@ -260,13 +243,20 @@ fn lateness(loop_: &Loop, seconds: u64) -> anyhow::Result<Vec<Figure>> {
     // A loop is as punctual as the timer that wakes it.
     let least = bare_on_time.min(0.999);
     let reference = (bare_on_time, "bare timer");
+    let punctual = loop_.tick_s.is_none().then_some(Bar::AtLeast(least));
     let mut rows = vec![Figure {
         note,
-        ..row("ticks within 100 µs", on_time, "1", reference, Some(Bar::AtLeast(least)))
+        ..row("ticks within 100 µs", on_time, "1", reference, punctual)
     }];
     let (skipped, bare_skipped) = (report.skipped as f64, bare.skipped as f64);
     let most = Some(Bar::AtMost(bare_skipped));
-    rows.push(row("deadlines skipped", skipped, "1", (bare_skipped, "bare timer"), most));
+    rows.push(row(
+        "deadlines skipped",
+        skipped,
+        "1",
+        (bare_skipped, "bare timer"),
+        most,
+    ));
     let s = |h: &Histogram, q: f64| h.quantile(q) as f64 * 1e-9;
     let period = (1.0 / loop_.rate_hz as f64, "period");
     if let Some(most_s) = loop_.tick_s {
@@ -274,9 +264,12 @@ fn lateness(loop_: &Loop, seconds: u64) -> anyhow::Result<Vec<Figure>> {
         rows.push(row("tick, p99", s(whole, 0.99), "s", period, most));
     }
     if let Some(most_s) = loop_.force_s {
-        for ((name, q), most_s) in [("latch to force, median", 0.5), ("latch to force, p99", 0.99)]
-            .into_iter()
-            .zip(most_s)
+        for ((name, q), most_s) in [
+            ("latch to force, median", 0.5),
+            ("latch to force, p99", 0.99),
+        ]
+        .into_iter()
+        .zip(most_s)
         {
             let most = Some(Bar::AtMost(most_s));
             rows.push(row(name, s(&stages[Stage::Render], q), "s", period, most));
@@ -328,7 +321,12 @@ fn loop_at_work(text: &str, ticks: u64) -> anyhow::Result<DriverReport> {
         privileged: true,
         follow: true,
     };
-    let starts: Vec<_> = loaded.spec.tools.iter().map(|tool| tool.pose.position).collect();
+    let starts: Vec<_> = loaded
+        .spec
+        .tools
+        .iter()
+        .map(|tool| tool.pose.position)
+        .collect();
     let pause = Duration::from_secs_f64(0.97 * scene.dt_s);
     let dt_s = scene.dt_s;
     let driver = driver::start(scene, tick_ports, Box::new(NoJournal), settings)?;
