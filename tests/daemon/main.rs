@@ -33,6 +33,7 @@ mod export;
 mod faults;
 mod features;
 mod first_hour;
+mod follow;
 mod golden;
 mod haptic_link;
 mod hostile_bytes;

@@ -198,6 +198,8 @@ pub fn record_lying(
             input,
             output,
             late_ns: tick % 7,
+            shift_ns: -(tick as i64 % 5),
+            wait_ns: tick.is_multiple_of(3).then_some(tick),
             stage_ns: [1, 20, 250, 50, 4].into(),
         };
         lie(&mut record);
