@@ -3,7 +3,7 @@
 use crate::deformation::{HardRow, deformation, hard_cases};
 use crate::figure::Figure;
 use crate::haptics::haptics;
-use crate::{Cases, Effort, Row, contact, modeling, parts, recording, surface, viewer};
+use crate::{Cases, Effort, Row, contact, modeling, parts, recording, scaling, surface, viewer};
 
 /// Where something is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,6 +12,7 @@ pub(crate) enum Suite {
     Contact,
     Parts,
     Deformation,
+    Scaling,
     Hard,
     Modeling,
     Haptics,
@@ -32,12 +33,13 @@ pub(crate) struct Measured {
 
 impl Suite {
     /// Those that take little time first.
-    pub(crate) const ALL: [Self; 10] = [
+    pub(crate) const ALL: [Self; 11] = [
         Self::Surface,
         Self::Contact,
         Self::Parts,
         Self::Modeling,
         Self::Deformation,
+        Self::Scaling,
         Self::Haptics,
         Self::Scenario,
         Self::Hard,
@@ -52,6 +54,7 @@ impl Suite {
             Self::Parts => "parts",
             Self::Deformation | Self::Hard => "deformation",
             Self::Modeling => "modeling",
+            Self::Scaling => "scaling",
             Self::Haptics => "haptics",
             Self::Recording => "recording",
             Self::Viewer => "viewer",
@@ -68,6 +71,7 @@ impl Suite {
             Self::Contact => contact(effort, cases, &mut |row| all.rows.push(row)),
             Self::Parts => parts(effort, cases, &mut |row| all.rows.push(row)),
             Self::Modeling => modeling(effort, cases, &mut |row| all.rows.push(row)),
+            Self::Scaling => scaling(effort, cases, &mut |row| all.rows.push(row)),
             Self::Deformation => drop(deformation(effort, cases, &mut |row| all.rows.push(row))),
             Self::Hard => hard_cases(cases, &mut |row| all.hard.push(row)),
             Self::Haptics => {

@@ -249,7 +249,10 @@ fn grown(growth: &Growth, case: &str, n: usize, effort: Effort, points: &mut Vec
     }
     world.ticks_s.drain(..growth.first);
     let note = format!("{contacts} contacts reported, {} faults", world.faults);
-    let row = world.row(case, "tick", note);
+    let row = Row {
+        suite: "scaling",
+        ..world.row(case, "tick", note)
+    };
     points.extend(row.times.map(|times| [n as f64, times.median_s]));
     row
 }
@@ -298,7 +301,10 @@ fn pressed(
         body.compliance_bytes() as f64 * 1e-6,
     );
     let error = (force_n / TEARDROP_REFERENCE_N[2] - 1.0).abs();
-    let row = world.row(case, matrix, note);
+    let row = Row {
+        suite: "scaling",
+        ..world.row(case, matrix, note)
+    };
     points.extend(row.times.map(|times| [free as f64, times.median_s]));
     row.off_by(error, "of the force")
 }
@@ -310,7 +316,7 @@ fn fitted(case: &str, of: &str, points: &[[f64; 2]]) -> Row {
     let (exponent, at_one) = line(&logs);
     let off = |[x, y]: &[f64; 2]| (libm::exp(y - at_one - exponent * x) - 1.0).abs();
     let worst = logs.iter().map(off).fold(0.0, f64::max);
-    let row = Row::new("deformation", case, "fit").off_by(worst, "of the time, off the fit");
+    let row = Row::new("scaling", case, "fit").off_by(worst, "of the time, off the fit");
     row.saying(format!(
         "the tick grows with the {exponent:.2}th power of the {of}, of {} sizes",
         points.len()

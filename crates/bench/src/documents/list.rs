@@ -144,6 +144,18 @@ pub(super) fn tables() -> Vec<Table> {
         },
         Table {
             of_simulation: true,
+            timed: true,
+            ..rows_at(
+                Effort::Quick,
+                "scaling",
+                "docs/figures.md",
+                &[Rows(Suite::Scaling, &[("scaling/*", "fit")])],
+                &[Error, Note],
+                &["crates/bench/src/deformation/scaling.rs"],
+            )
+        },
+        Table {
+            of_simulation: true,
             ..rows_at(
                 Effort::Quick,
                 "motion",
