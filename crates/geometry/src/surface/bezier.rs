@@ -559,6 +559,46 @@ impl BezierPieces {
         (low, high)
     }
 
+    /// The points of a piece at each pair of local parameters, u-major, of which the shares of its rows and columns are given
+    /// (see [`shares`]); the same bits as in [`BezierPieces::frame`].
+    #[inline(always)]
+    pub(crate) fn points_at(
+        &self,
+        piece: usize,
+        [us, vs]: [&[Shares]; 2],
+        mut take: impl FnMut(usize, Point3),
+    ) {
+        let (p, q) = (self.u.degree, self.v.degree);
+        let points = self.points(piece);
+        let mix = |sum: &mut [f64; 4], share: f64, x: &[f64; 4]| {
+            for m in 0..4 {
+                sum[m] += share * x[m];
+            }
+        };
+        for (b, v) in vs.iter().enumerate() {
+            let mut rows = [[0.0; 4]; MAX_DEGREE + 1];
+            for k in 0..=p {
+                for l in 0..=q {
+                    mix(&mut rows[k], v[l], &points[k * (q + 1) + l]);
+                }
+            }
+            for (a, u) in us.iter().enumerate() {
+                let mut x = [0.0; 4];
+                for k in 0..=p {
+                    mix(&mut x, u[k], &rows[k]);
+                }
+                let point = Point3::new(x[0], x[1], x[2]);
+                take(
+                    a * vs.len() + b,
+                    match self.rational {
+                        true => point / x[3],
+                        false => point,
+                    },
+                );
+            }
+        }
+    }
+
     /// Point and derivatives of piece (i, j) at local parameters (s, t) in [0, 1], by the surface's
     /// own parameters.
     #[inline(always)]
@@ -590,6 +630,14 @@ fn refresh_wide(pieces: &mut BezierPieces, surface: &Surface) {
 #[target_feature(enable = "avx2")]
 fn refresh_one_wide(pieces: &mut BezierPieces, surface: &Surface, i: usize, j: usize) {
     pieces.refresh_one_in::<crate::math::lanes::Wide>(surface, i, j);
+}
+
+/// Bernstein functions at one parameter; those beyond the degree are 0.
+pub(crate) type Shares = [f64; MAX_DEGREE + 1];
+
+/// Shares of the points of a row or column of a piece in the point at a local parameter.
+pub(crate) fn shares(degree: usize, t: f64) -> Shares {
+    bernstein::<{ MAX_DEGREE + 1 }>(degree, t)[0]
 }
 
 /// Bernstein functions of degree `p` with two derivatives, in arrays of `N > p`.

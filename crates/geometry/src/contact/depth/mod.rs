@@ -21,6 +21,7 @@ use self::tops::{Ground, Tops};
 use super::exact::Patches;
 use super::{Contact, ContactSet};
 use crate::math::{Point3, Vector3};
+use crate::surface::bezier::{Shares, shares};
 use crate::surface::{ClosestSolver, Surface};
 
 /// Samples of a piece in each direction.
@@ -86,6 +87,8 @@ pub(super) struct DepthSearch {
     samples: Vec<(f64, Vector3)>,
     /// Parameters of the samples in u and v.
     axes: [Vec<f64>; 2],
+    /// Shares of a piece's rows and columns in each of its samples.
+    shares: [[Shares; GRID]; 2],
     ridges: Shortlist<[[f64; 2]; 2], MOST_RIDGES>,
 }
 
@@ -130,6 +133,10 @@ impl DepthSearch {
                 })
                 .collect()
         });
+        let shares = [surface.knots_u(), surface.knots_v()].map(|knots| {
+            let local = |m: usize| (m as f64 + 0.5) / GRID as f64;
+            std::array::from_fn(|m| shares(knots.degree(), local(m)))
+        });
         let pieces = axes.each_ref().map(|a| a.len() / GRID);
         Self {
             tops: Tops::new(
@@ -143,6 +150,7 @@ impl DepthSearch {
             pieces,
             samples: vec![(0.0, Vector3::zeros()); axes[0].len() * axes[1].len()],
             axes,
+            shares,
             ridges: Shortlist::new(),
         }
     }
@@ -194,21 +202,21 @@ impl DepthSearch {
     fn sample(&mut self, surface: &Surface, solver: &mut ClosestSolver, field: &impl DepthField) {
         let pieces = solver.pieces(surface);
         let columns = self.axes[1].len();
+        let Self {
+            samples, shares, ..
+        } = self;
         for piece in 0..self.reached.len() {
             let (i, j) = (piece / self.pieces[1], piece % self.pieces[1]);
-            for a in 0..GRID {
-                for b in 0..GRID {
-                    let slot = (i * GRID + a) * columns + j * GRID + b;
-                    self.samples[slot] = if self.reached[piece] {
-                        let (s, t) = (
-                            (a as f64 + 0.5) / GRID as f64,
-                            (b as f64 + 0.5) / GRID as f64,
-                        );
-                        field.rough(&pieces.frame(i, j, s, t).point)
-                    } else {
-                        (f64::NEG_INFINITY, Vector3::zeros())
-                    };
-                }
+            let slot = |k: usize| (i * GRID + k / GRID) * columns + j * GRID + k % GRID;
+            if self.reached[piece] {
+                let [us, vs] = &*shares;
+                pieces.points_at(piece, [us, vs], |k, point| {
+                    samples[slot(k)] = field.rough(&point);
+                });
+                continue;
+            }
+            for k in 0..GRID * GRID {
+                samples[slot(k)] = (f64::NEG_INFINITY, Vector3::zeros());
             }
         }
     }

@@ -93,6 +93,27 @@ fn scaled(slope: f64, d: f64) -> f64 {
     if d == 0.0 { 0.0 } else { slope * d }
 }
 
+/// An expression with the constant `N` as room for so many operations: what a short function does not need is not cleared
+/// each time that it is asked.
+macro_rules! in_room {
+    ($count:expr, $n:ident => $work:expr) => {
+        match $count {
+            ..=12 => {
+                const $n: usize = 12;
+                $work
+            }
+            ..=40 => {
+                const $n: usize = 40;
+                $work
+            }
+            _ => {
+                const $n: usize = MAX_OPS;
+                $work
+            }
+        }
+    };
+}
+
 impl Op {
     fn chooses(&self) -> bool {
         matches!(
@@ -114,7 +135,11 @@ impl Tape {
 
     /// The value at a point; NaN where it is not defined.
     pub fn value(&self, p: &Point3) -> f64 {
-        let mut r = [0.0; MAX_OPS];
+        in_room!(self.ops.len(), N => self.value_in::<N>(p))
+    }
+
+    fn value_in<const N: usize>(&self, p: &Point3) -> f64 {
+        let mut r = [0.0; N];
         for (k, op) in self.ops.iter().enumerate() {
             r[k] = match *op {
                 Op::Constant(c) => c,
@@ -179,8 +204,18 @@ impl Tape {
 
     /// Value and derivatives of an operation; `choose` is asked at each that chooses, in their order, with what is so.
     #[inline(always)]
-    fn differentiate(&self, p: &Point3, op: usize, mut choose: impl FnMut(bool) -> bool) -> Dual {
-        let mut r = [Dual::ZERO; MAX_OPS];
+    fn differentiate(&self, p: &Point3, op: usize, choose: impl FnMut(bool) -> bool) -> Dual {
+        in_room!(op + 1, N => self.differentiate_in::<N>(p, op, choose))
+    }
+
+    #[inline(always)]
+    fn differentiate_in<const N: usize>(
+        &self,
+        p: &Point3,
+        op: usize,
+        mut choose: impl FnMut(bool) -> bool,
+    ) -> Dual {
+        let mut r = [Dual::ZERO; N];
         for (k, op) in self.ops[..=op].iter().enumerate() {
             r[k] = match *op {
                 Op::Constant(f) => Dual { f, d: [0.0; 3] },
@@ -229,7 +264,11 @@ impl Tape {
     /// Holds every value over a box. Wider than the true range where a variable occurs more than
     /// once.
     pub fn interval(&self, low: &Point3, high: &Point3) -> Interval {
-        let mut r = [Interval::point(0.0); MAX_OPS];
+        in_room!(self.ops.len(), N => self.interval_in::<N>(low, high))
+    }
+
+    fn interval_in<const N: usize>(&self, low: &Point3, high: &Point3) -> Interval {
+        let mut r = [Interval::point(0.0); N];
         for (k, op) in self.ops.iter().enumerate() {
             r[k] = match *op {
                 Op::Constant(c) => Interval::point(c),

@@ -110,6 +110,23 @@ fn ranges_hold_every_value_of_their_boxes() {
     }
 }
 
+// Short and long functions are computed in rooms of different sizes.
+#[test]
+fn a_function_of_any_length_is_computed_alike() {
+    let p = Point3::new(0.3, -0.2, 0.1);
+    for terms in 1..31 {
+        let text = (1..=terms).map(|k| format!("abs(x - {k})*y"));
+        let tape = Tape::parse(&text.collect::<Vec<_>>().join(" + ")).unwrap();
+        let n = f64::from(terms);
+        let sum = 0.5 * n * (n + 1.0) - 0.3 * n;
+        let (f, slope) = tape.gradient(&p);
+        let range = tape.interval(&p, &p);
+        assert!((f + 0.2 * sum).abs() <= 1e-12 * sum && f == tape.value(&p));
+        assert!((slope - Vector3::new(0.2 * n, sum, 0.0)).norm() <= 1e-12 * sum);
+        assert!(range.low <= f && f <= range.high && range.high - range.low < 1e-10 * sum);
+    }
+}
+
 #[test]
 fn a_wrong_text_says_where_and_what_would_help() {
     for (text, column, words) in [

@@ -1,6 +1,7 @@
 //! Facts about the closest point, against a dense sampling polished by its own damped Gauss–Newton,
 //! and closed forms.
 
+use super::super::bezier::shares;
 use super::super::{BezierPieces, ClosestSolver, ControlNet, Surface, WarmFoot};
 use crate::basis::{KnotVector, Side};
 pub(super) use crate::math::Random;
@@ -504,6 +505,27 @@ fn warm_answers_are_the_cold_answers_on_random_walks() {
             400,
             &format!("random surface {k}"),
         );
+    }
+}
+
+#[test]
+fn points_of_a_piece_on_a_grid_are_those_of_its_frames() {
+    let rational = read(include_str!("../data/teardrop_8_rational.json"));
+    let mut random = Random(61);
+    let others = [teardrop(8), rational, random_surface(&mut random)];
+    for surface in others {
+        let pieces = BezierPieces::new(&surface);
+        let at = [[0.1, 0.5, 0.8], [0.0, 0.25, 1.0]];
+        let (p, q) = (pieces.u.degree, pieces.v.degree);
+        let (us, vs) = (at[0].map(|t| shares(p, t)), at[1].map(|t| shares(q, t)));
+        for piece in 0..pieces.len() {
+            let columns = pieces.v.spans.len();
+            pieces.points_at(piece, [&us, &vs], |k, point| {
+                let (s, t) = (at[0][k / 3], at[1][k % 3]);
+                let frame = pieces.frame(piece / columns, piece % columns, s, t);
+                assert_eq!(point, frame.point, "piece {piece} at {s}, {t}");
+            });
+        }
     }
 }
 
