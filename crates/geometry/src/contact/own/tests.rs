@@ -200,7 +200,7 @@ fn a_surface_that_moves_is_answered_as_one_seen_for_the_first_time() {
         }
     }
     assert!(
-        met > 50 && far > 50,
+        met > 200 && far > 10,
         "{met} ticks in touch, {far} out of it"
     );
 }
