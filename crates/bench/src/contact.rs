@@ -87,6 +87,12 @@ pub fn contact(effort: Effort, cases: Cases<'_>, out: &mut dyn FnMut(Row)) {
     if wanted("self/sausage") {
         suite.sausage("self/sausage");
     }
+    if wanted("self/sausage/followed") {
+        suite.folding_sausage("self/sausage/followed");
+    }
+    if wanted("self/sausage/tick") {
+        suite.pressed_sausage("self/sausage/tick");
+    }
     if cases.are_chosen() {
         suite.still(&wanted);
         suite.rigid(&wanted);

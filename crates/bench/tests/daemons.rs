@@ -10,7 +10,7 @@ fn the_latency_of_a_daemon_is_measured() {
         "--quick",
         "--json",
         "--only",
-        "latency/pose-force",
+        "latency/pose-force/followed",
     ];
     let output = Command::new(bench).args(arguments).output().unwrap();
     let words = String::from_utf8_lossy(&output.stderr);

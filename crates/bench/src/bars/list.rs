@@ -93,6 +93,7 @@ const ROWS: &[Promise] = &[
     most(Suite::Contact, "surface/20x20", "exact", Error, 1e-7),
     most(Suite::Contact, "curves/8x8", "exact", Error, 1e-7),
     most(Suite::Contact, "self/sausage", "exact", Error, 1e-7),
+    most(Suite::Contact, "self/sausage/followed", "exact", Error, 1e-10),
     most(Suite::Contact, "flat/100", "exact", Error, 1e-10),
     least(Suite::Contact, "sphere/8x8/cold", "spheres 28", Order("spheres 82", 3.0), 1.8),
     least(Suite::Contact, "sphere/8x8/cold", "spheres 82", Order("spheres 244", 3.0), 1.8),

@@ -188,9 +188,9 @@ impl Solid for SolidTorus {
 
 /// A sausage folded to a hairpin, legs along y, whose bellies pass through each other at the mirror
 /// plane x = 0; and how deep it is in itself, m.
-pub(super) fn sausage() -> (Surface, f64) {
+pub(super) fn sausage(belly_m: f64) -> (Surface, f64) {
     const BELLY: [f64; 9] = [0.0, 0.0, 0.2, 0.7, 1.0, 0.7, 0.2, 0.0, 0.0];
-    let (around, bend, belly_m) = (12, 5, 0.0075);
+    let (around, bend) = (12, 5);
     let mut centres = Vec::new();
     let leg = |k: usize, side: f64| {
         (

@@ -3,13 +3,15 @@
 use super::inputs::{TOOL_RADIUS_M, ball_over, covering, flat, plane_over, poses, sausage};
 use super::methods::Mesh;
 use super::{Known, RESOLUTIONS, Suite, label};
-use crate::measure::clocked;
+use crate::Row;
+use crate::measure::{Times, clocked};
 use crate::oracle::Oracle;
 use palpate_geometry::contact::own::SelfSolver;
 use palpate_geometry::contact::pair::{PairSide, PairSolver};
 use palpate_geometry::contact::{ContactSet, Reach};
 use palpate_geometry::math::{Point3, Pose};
 use palpate_geometry::surface::{ClosestSolver, Surface};
+use palpate_sim::solve::rows::Holder;
 use palpate_thesis::spheres::{Spheres, SpheresPair};
 
 /// Two surfaces, the second at some poses.
@@ -121,7 +123,7 @@ impl Suite<'_> {
     /// A folded sausage that passes through itself.
     pub(super) fn sausage(&mut self, case: &str) {
         let n = self.count(2_000);
-        let (surface, depth_m) = sausage();
+        let (surface, depth_m) = sausage(0.0075);
         let mut solver = ClosestSolver::new(&surface);
         let mut own = SelfSolver::new(&surface);
         let known = Known::all(n, depth_m);
@@ -129,6 +131,57 @@ impl Suite<'_> {
             solver.net_changed();
             own.contacts(&surface, &mut solver, Reach::TOUCH, surface.size(), set);
         });
+    }
+
+    /// The same that folds slowly, asked as a tick asks: for gaps and folds up to a small share of its size.
+    pub(super) fn folding_sausage(&mut self, case: &str) {
+        let n = self.count(2_000);
+        let belly_m = |k: usize| 0.0064 + 1.5e-4 * k as f64 / n as f64;
+        let known = Known::of(n, 20, |k| sausage(belly_m(k)).1);
+        let [(start, _), (end, _)] = [0, n].map(|k| sausage(belly_m(k)));
+        let mut surface = start.clone();
+        let mut solver = ClosestSolver::new(&surface);
+        let mut own = SelfSolver::new(&surface);
+        let size_m = surface.size();
+        let reach = Reach {
+            margin_m: 1e-4 * size_m,
+            ..Reach::TOUCH
+        };
+        self.deepest(case, "exact", &known, |k, set| {
+            let share = k as f64 / n as f64;
+            let ends = start.net().points().iter().zip(end.net().points());
+            for (point, (from, to)) in surface.net_mut().points_mut().iter_mut().zip(ends) {
+                *point = from + share * (to - from);
+            }
+            solver.net_changed();
+            own.contacts(&surface, &mut solver, reach, 5e-3 * size_m, set);
+        });
+    }
+
+    /// Whole ticks of a soft one, one leg held, the other pressed onto it with 2 mm/s by a plate.
+    pub(super) fn pressed_sausage(&mut self, case: &str) {
+        let mut row = Row::new("contact", case, "exact");
+        match crate::parse(&soft(&sausage(0.006).0)) {
+            Ok(mut world) => {
+                let (mut times, mut touching) = (Vec::new(), 0);
+                let ticks = 2_500;
+                for k in 0..ticks {
+                    let (time, ()) = clocked(|| {
+                        world.at_in_place([0.031 - 2e-6 * f64::from(k), 0.04, 0.0]);
+                    });
+                    let contacts = world.record.output.contacts.list();
+                    if contacts.iter().any(|c| c.holder == Holder::Body(0)) {
+                        touching += 1;
+                        times.push(time.as_secs_f64());
+                    }
+                }
+                row = row
+                    .timed(Times::of(times))
+                    .saying(format!("{touching} of {ticks} ticks in touch with itself"));
+            }
+            Err(why) => row = row.saying(why),
+        }
+        (self.out)(row);
     }
 
     pub(super) fn surfaces(
@@ -213,4 +266,37 @@ impl Suite<'_> {
             ask(spheres, set);
         });
     }
+}
+
+/// A scene with a soft sausage of twelve controls around.
+fn soft(sausage: &Surface) -> String {
+    let columns = sausage.net().columns();
+    let points: Vec<Vec<[f64; 3]>> = (sausage.net().points().chunks(columns))
+        .map(|row| row.iter().map(|x| [x.x, x.y, x.z]).collect())
+        .collect();
+    let around: Vec<usize> = (0..=points.len()).collect();
+    let along: Vec<usize> = (0..columns + 4).map(|k| k.clamp(3, columns) - 3).collect();
+    format!(
+        r#"
+[[body]]
+id = "sausage"
+model = "lattice"
+self_contact = true
+material = {{ young_pa = 8e3 }}
+lattice = {{ layers = 2, refine = "none" }}
+fixed = [{{ point = [-0.015, 0.0, 0.0], normal = [1.0, 0.0, 0.0] }}]
+[body.surface.inline]
+format = "palpate.surface.v1"
+degree = [3, 3]
+periodic = [true, false]
+knots = [{around:?}, {along:?}]
+points = {points:?}
+[[tool]]
+id = "plate"
+shape = {{ plane = {{ normal = [-1.0, 0.0, 0.0] }} }}
+pose = {{ position = [0.031, 0.04, 0.0] }}
+coupling = {{ stiffness_n_m = 500.0, damping_n_s_m = 0.0 }}
+device = {{ force_max_n = 500.0, ramp_s = 0.0, speed_max_m_s = 1000.0 }}
+"#
+    )
 }

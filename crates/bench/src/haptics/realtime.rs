@@ -60,7 +60,7 @@ struct Client {
 const FOLLOWED_S: Option<[f64; 2]> = Some([0.15e-3, 0.4e-3]);
 const CLIENTS: [Client; 4] = [
     Client {
-        case: "latency/pose-force",
+        case: "latency/pose-force/followed",
         every: Duration::from_micros(1_000),
         rate_hz: 1_000,
         serve: &[],

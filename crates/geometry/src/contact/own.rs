@@ -2,13 +2,15 @@
 //!
 //! Places that face each other are found as between two surfaces. A fold that penetrates itself and
 //! the two sides of a wall look alike there: what distinguishes them is how often the surface winds
-//! around the point between them, twice or once, none in a gap. The winding number is the solid
-//! angle the surface fills, in triangles that shrink towards the point (Van Oosterom & Strackee
-//! 1983), which gives it to a small fraction of one.
+//! around the point between them, twice or once, none in a gap.
 
+mod pieces;
 #[cfg(test)]
 mod tests;
+mod winding;
 
+use self::pieces::NearPieces;
+use self::winding::Winding;
 use super::pair::cells::{Block, Cells};
 use super::pair::cone::Cone;
 use super::pair::depth::{Sounding, jet};
@@ -16,15 +18,10 @@ use super::pair::facing::{Half, face};
 use super::pair::usable;
 use super::{Contact, ContactSet, Reach, Rectangle, ToolPoint};
 use crate::basis::MAX_DEGREE;
-use crate::math::{Point3, Vector3};
+use crate::math::Point3;
 use crate::surface::closest::Foot;
 use crate::surface::{BezierPieces, ClosestPoint, ClosestSolver, Frame, Surface};
 
-/// Parts looked at for one winding number.
-const MOST_PARTS: usize = 20_000;
-/// Halvings of a part in each direction: 2⁻²⁶ of a cell is about rounding of a difference of
-/// squares.
-const DEEPEST: u32 = 26;
 /// What a tick asks for as the deepest fold, relative to the size: contact forces stop folds long
 /// before.
 pub const TICK_FOLD: f64 = 0.04;
@@ -37,38 +34,29 @@ const MOST_PAIRS: usize = 1 << 13;
 #[derive(Clone, Debug)]
 pub struct SelfSolver {
     cells: Cells,
-    other: ClosestSolver,
-    /// (pieces): cones of normals.
+    pieces: NearPieces,
+    /// (pieces): cones of normals, where known.
     cones: Vec<Cone>,
+    known: Vec<bool>,
     /// Cells of pairs of pieces that come near and may face, as pairs.
     near: Vec<(u32, u32)>,
-    stack: Vec<OwnPatch>,
+    winding: Winding,
     walls: Vec<Point3>,
-}
-
-/// A part of the surface as the winding number sees it.
-#[derive(Clone, Copy, Debug)]
-struct OwnPatch {
-    /// u from, u to, v from, v to.
-    range: [f64; 4],
-    level: u32,
-    /// Corners from the point: (u from, v from), (u to, v from), (u to, v to), (u from, v to).
-    corners: [Vector3; 4],
 }
 
 impl SelfSolver {
     /// Precomputes what depends on the knots.
     pub fn new(surface: &Surface) -> Self {
-        let mut other = ClosestSolver::new(surface);
-        let cells = Cells::new(surface, other.pieces(surface));
-        let pieces = other.pieces_now().len();
+        let pieces = BezierPieces::new(surface);
+        let cells = Cells::new(surface, &pieces);
         Self {
+            winding: Winding::new(&pieces),
             cells,
-            cones: vec![Cone::ANY; pieces],
+            cones: vec![Cone::ANY; pieces.len()],
+            known: vec![false; pieces.len()],
+            pieces: NearPieces::new(surface, &pieces),
             near: Vec::with_capacity(MOST_PAIRS),
-            stack: Vec::with_capacity(4 * DEEPEST as usize + 8),
             walls: Vec::with_capacity(MOST_WALLS),
-            other,
         }
     }
 
@@ -89,9 +77,8 @@ impl SelfSolver {
         if !usable(surface) || !self.cells.closed {
             return;
         }
-        self.other.net_changed();
-        self.other.pieces(surface);
-        self.cells.begin(solver.pieces(surface));
+        let pieces = solver.pieces(surface);
+        self.cells.begin(pieces);
         let size_m = self.cells.whole.diagonal();
         let margin_m = if reach.margin_m > 0.0 {
             reach.margin_m
@@ -109,72 +96,90 @@ impl SelfSolver {
             return;
         }
         self.walls.clear();
-        self.find(surface, solver.pieces_now(), reach_m, out);
+        let half = Half { surface, pieces };
+        self.find(half, reach_m, out);
+        self.search(half, [margin_m, fold_m, size_m], out);
+    }
+
+    /// The contacts that the pairs of cells lead to.
+    fn search(&mut self, half: Half<'_>, lengths_m: [f64; 3], out: &mut ContactSet) {
         for k in 0..self.near.len() {
             let (x, y) = self.near[k];
-            let mut a = Half { surface, solver };
-            let mut b = Half {
-                surface,
-                solver: &mut self.other,
-            };
             let ((am, aw), (bm, bw)) =
                 (self.cells.middle(x as usize), self.cells.middle(y as usize));
-            let found = face(&mut a, &mut b, [am, bm], [aw, bw]);
+            let found = face(half, half, [am, bm], [aw, bw]);
             if let Some(found) = found.filter(|found| !found.flat) {
-                self.judge(surface, solver, found.at, [margin_m, fold_m, size_m], out);
+                self.judge(half, found.at, lengths_m, out);
             }
         }
     }
 
     /// Pairs of cells that come near each other and may face; those of pieces first, of which there
     /// are fewer.
-    fn find(
-        &mut self,
-        surface: &Surface,
-        pieces: &BezierPieces,
-        reach_m: f64,
-        out: &mut ContactSet,
-    ) {
+    fn find(&mut self, half: Half<'_>, reach_m: f64, out: &mut ContactSet) {
+        let pieces = half.pieces;
         self.near.clear();
-        let count = pieces.len();
-        for k in 0..count {
-            self.cones[k] = cone(surface, pieces, k);
-        }
-        for a in 0..count {
+        self.known.fill(false);
+        (self.pieces).follow(half, self.cells.whole.diagonal(), reach_m);
+        for a in 0..pieces.len() {
             let own = block(pieces, a);
-            for b in a..count {
-                if !own.meets(&block(pieces, b), reach_m) || !self.cones[a].may_face(&self.cones[b])
-                {
+            let mut from = a;
+            while let Some(b) = self.pieces.next(a, from) {
+                from = b + 1;
+                if !own.meets(&block(pieces, b), reach_m) {
                     continue;
                 }
-                let (([i, j], [m, n]), ([k, l], [p, q])) =
-                    (self.cells.of_piece(a), self.cells.of_piece(b));
-                let columns = self.cells.counts[1];
-                for r in 0..m * n {
-                    let x = (i + r / n) * columns + j + r % n;
-                    self.cells.look(surface, pieces, x);
-                    for s in 0..p * q {
-                        let y = (k + s / q) * columns + l + s % q;
-                        if a == b && y <= x {
-                            continue;
-                        }
-                        self.cells.look(surface, pieces, y);
-                        let near = self.cells.box_of(x).meets(self.cells.box_of(y), reach_m);
-                        if !near
-                            || !self.cells.cone_of(x).may_face(self.cells.cone_of(y))
-                            || self.adjacent(x, y)
-                        {
-                            continue;
-                        }
-                        if self.near.len() == MOST_PAIRS {
-                            out.note_dropped();
-                            return;
-                        }
-                        self.near.push((x as u32, y as u32));
-                    }
+                let [mine, other] = [a, b].map(|k| self.cone(half, k));
+                if mine.may_face(&other) && !self.find_cells(half, [a, b], reach_m) {
+                    out.note_dropped();
+                    return;
                 }
             }
         }
+    }
+
+    /// The cone of a piece of the present net.
+    fn cone(&mut self, half: Half<'_>, piece: usize) -> Cone {
+        if !self.known[piece] {
+            self.known[piece] = true;
+            self.cones[piece] = cone(half.surface, half.pieces, piece);
+        }
+        self.cones[piece]
+    }
+
+    /// Those of two pieces; `false`: there is no room for all.
+    fn find_cells(&mut self, half: Half<'_>, [a, b]: [usize; 2], reach_m: f64) -> bool {
+        let (([i, j], [m, n]), ([k, l], [p, q])) = (self.cells.of_piece(a), self.cells.of_piece(b));
+        let columns = self.cells.counts[1];
+        for r in 0..m * n {
+            let x = (i + r / n) * columns + j + r % n;
+            self.cells.look(half.surface, half.pieces, x);
+            for s in 0..p * q {
+                let y = (k + s / q) * columns + l + s % q;
+                if a == b && y <= x {
+                    continue;
+                }
+                self.cells.look(half.surface, half.pieces, y);
+                let near = self.cells.box_of(x).meets(self.cells.box_of(y), reach_m);
+                if !near || !self.may_face(x, y) || self.adjacent(x, y) {
+                    continue;
+                }
+                if self.near.len() == MOST_PAIRS {
+                    return false;
+                }
+                self.near.push((x as u32, y as u32));
+            }
+        }
+        true
+    }
+
+    /// Cells may hold places that face each other: along the normals of both. As near as that is to pairs beside
+    /// them, Newton may come from here.
+    fn may_face(&self, x: usize, y: usize) -> bool {
+        let [a, b] = [x, y].map(|cell| (self.cells.box_of(cell), self.cells.cone_of(cell)));
+        let way = b.0.middle() - a.0.middle();
+        let away = a.0.diagonal() + b.0.diagonal();
+        a.1.may_face(b.1) && a.1.may_hold(&way, away) && b.1.may_hold(&way, away)
     }
 
     /// Cells with a common vertex always touch.
@@ -186,8 +191,7 @@ impl SelfSolver {
     /// Adds a stationary pair if it is a greatest depth of a fold, or a least gap.
     fn judge(
         &mut self,
-        surface: &Surface,
-        solver: &mut ClosestSolver,
+        half: Half<'_>,
         [u, v, s, t]: [f64; 4],
         [margin_m, fold_m, size_m]: [f64; 3],
         out: &mut ContactSet,
@@ -196,10 +200,8 @@ impl SelfSolver {
         if x == y || self.adjacent(x, y) {
             return;
         }
-        let (a, b) = (
-            solver.frame_at(surface, u, v),
-            solver.frame_at(surface, s, t),
-        );
+        let Half { surface, pieces } = half;
+        let (a, b) = (pieces.frame_at([u, v]), pieces.frame_at([s, t]));
         let outward = |f: &Frame| {
             let n = f.du.cross(&f.dv) * if surface.flip_normal() { -1.0 } else { 1.0 };
             n.try_normalize(0.0)
@@ -253,12 +255,11 @@ impl SelfSolver {
             {
                 return;
             }
-            let winding = self.winding(surface, solver, &middle);
-            let wanted = if depth_m > 0.0 {
-                winding > 1.5
-            } else {
-                winding < 0.5
-            };
+            let winding = self.winding.around(pieces, &middle, &nb);
+            let wanted = winding.is_some_and(|times| {
+                let times = if surface.flip_normal() { -times } else { times };
+                if depth_m > 0.0 { times > 1 } else { times < 1 }
+            });
             if !wanted {
                 if self.walls.len() < MOST_WALLS {
                     self.walls.push(middle);
@@ -287,82 +288,6 @@ impl SelfSolver {
             });
         }
     }
-
-    /// How often the surface winds around a point.
-    fn winding(&mut self, surface: &Surface, solver: &mut ClosestSolver, point: &Point3) -> f64 {
-        let (mut sum, mut parts) = (0.0, 0);
-        // Of a piece that is not far, at least parts as small as cells.
-        let [p, q] = [0, 1].map(|d| self.cells.of_piece(0).1[d]);
-        let least = p.max(q).next_power_of_two().trailing_zeros();
-        for piece in 0..solver.pieces_now().len() {
-            let pieces = solver.pieces_now();
-            let whole = block(pieces, piece);
-            let ([u0, u1], [v0, v1]) = pieces.rectangle(piece);
-            let points = pieces.points(piece);
-            let n = pieces.v.degree + 1;
-            let last = points.len() - n;
-            let corners = [0, last, last + n - 1, n - 1].map(|k| {
-                let x = &points[k];
-                Vector3::new(x[0] / x[3], x[1] / x[3], x[2] / x[3]) - point.coords
-            });
-            if whole.distance(point) >= 1.5 * whole.diagonal() {
-                sum += angle(&corners);
-                continue;
-            }
-            self.stack.clear();
-            self.stack.push(OwnPatch {
-                range: [u0, u1, v0, v1],
-                level: 0,
-                corners,
-            });
-            while let Some(OwnPatch {
-                range: [u0, u1, v0, v1],
-                level,
-                corners,
-            }) = self.stack.pop()
-            {
-                parts += 1;
-                let mut at = |u: f64, v: f64| solver.frame_at(surface, u, v).point - point;
-                let (um, vm) = (0.5 * (u0 + u1), 0.5 * (v0 + v1));
-                let middle = at(um, vm);
-                let far = corners.iter().fold((middle - corners[0]).norm(), |m, c| {
-                    m.max((c - corners[0]).norm())
-                });
-                let near = corners.iter().fold(middle.norm(), |m, c| m.min(c.norm()));
-                if (near < 1.5 * far || level < least) && level < DEEPEST && parts < MOST_PARTS {
-                    let [a, b, c, d] = corners;
-                    let [ab, bc, cd, da] = [at(um, v0), at(u1, vm), at(um, v1), at(u0, vm)];
-                    let level = level + 1;
-                    let parts = [
-                        ([u0, um, v0, vm], [a, ab, middle, da]),
-                        ([um, u1, v0, vm], [ab, b, bc, middle]),
-                        ([um, u1, vm, v1], [middle, bc, c, cd]),
-                        ([u0, um, vm, v1], [da, middle, cd, d]),
-                    ];
-                    self.stack.extend(parts.map(|(range, corners)| OwnPatch {
-                        range,
-                        level,
-                        corners,
-                    }));
-                    continue;
-                }
-                sum += angle(&corners);
-            }
-        }
-        sum / (4.0 * std::f64::consts::PI) * if surface.flip_normal() { -1.0 } else { 1.0 }
-    }
-}
-
-/// Solid angle of two triangles, seen from the origin.
-fn angle(corners: &[Vector3; 4]) -> f64 {
-    let mut sum = 0.0;
-    for [a, b, c] in [[0, 1, 2], [0, 2, 3]] {
-        let (a, b, c) = (&corners[a], &corners[b], &corners[c]);
-        let (la, lb, lc) = (a.norm(), b.norm(), c.norm());
-        let below = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
-        sum += 2.0 * libm::atan2(a.dot(&b.cross(c)), below);
-    }
-    sum
 }
 
 fn block(pieces: &BezierPieces, k: usize) -> Block {

@@ -599,6 +599,14 @@ impl BezierPieces {
         }
     }
 
+    /// Point and derivatives at a parameter pair of the domain, as of the last movement that the piece was computed for.
+    pub(crate) fn frame_at(&self, [u, v]: [f64; 2]) -> Frame {
+        let (i, j) = (self.u.span_of(u), self.v.span_of(v));
+        let local = |span: &Span, x: f64| (x - span.start) / (span.end - span.start);
+        let (s, t) = (local(&self.u.spans[i], u), local(&self.v.spans[j], v));
+        self.frame(i, j, s, t)
+    }
+
     /// Point and derivatives of piece (i, j) at local parameters (s, t) in [0, 1], by the surface's
     /// own parameters.
     #[inline(always)]

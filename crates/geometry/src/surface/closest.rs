@@ -35,6 +35,7 @@ mod tests;
 mod warm;
 
 pub(crate) use self::basin::{Basin, Clip};
+pub(crate) use self::bernstein::{halve_u, halve_v};
 pub(crate) use self::field::{Bottom, Foot};
 use self::minima::Minima;
 pub use self::minima::Summit;

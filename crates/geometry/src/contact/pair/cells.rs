@@ -38,14 +38,8 @@ impl Block {
         (0..3).all(|c| point[c] >= self.low[c] - margin && point[c] <= self.high[c] + margin)
     }
 
-    /// Distance of a point; 0 inside.
-    pub fn distance(&self, point: &Point3) -> f64 {
-        let out = |c: usize| {
-            (self.low[c] - point[c])
-                .max(point[c] - self.high[c])
-                .max(0.0)
-        };
-        (0..3).map(|c| out(c) * out(c)).sum::<f64>().sqrt()
+    pub fn middle(&self) -> Point3 {
+        nalgebra::center(&self.low.into(), &self.high.into())
     }
 
     pub fn diagonal(&self) -> f64 {

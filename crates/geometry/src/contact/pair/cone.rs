@@ -1,11 +1,15 @@
 //! Cones that hold the normals of a part of a surface.
 
+use crate::basis::MAX_DEGREE;
 use crate::math::Vector3;
 
 /// Angle to which the normal of a plane is known, rad.
 const FLAT: f64 = 1e-9;
 /// Points this near to a plane, relative to how far they are from each other, lie in it.
 const IN_PLANE: f64 = 1e-12;
+
+/// Most differences of points along one direction.
+const MOST: usize = (MAX_DEGREE + 1) * MAX_DEGREE;
 
 /// All directions within an angle of an axis.
 #[derive(Clone, Copy, Debug)]
@@ -39,8 +43,11 @@ impl Cone {
             };
         }
         let width = q + 1;
-        let along_u = tangents(|k, l| &points[k * width + l], p, q);
-        let along_v = tangents(|l, k| &points[k * width + l], q, p);
+        let (at_u, at_v) = (|k, l| &points[k * width + l], |l, k| &points[k * width + l]);
+        let (along_u, along_v) = match p <= 3 && q <= 3 {
+            true => (tangents::<12>(at_u, p, q), tangents::<12>(at_v, q, p)),
+            false => (tangents::<MOST>(at_u, p, q), tangents::<MOST>(at_v, q, p)),
+        };
         let (Some((a, cos_a)), Some((b, cos_b))) = (along_u, along_v) else {
             return Self::ANY;
         };
@@ -75,6 +82,17 @@ impl Cone {
         }
         -self.axis.dot(&other.axis) >= cos - 1e-12
     }
+
+    /// Some vector no farther than `away` from this one may lie along a direction of the cone, forth or back.
+    pub fn may_hold(&self, way: &Vector3, away: f64) -> bool {
+        let length = way.norm();
+        if self.cos < 0.0 || length <= away {
+            return true;
+        }
+        let sin = away / length;
+        let cos = self.cos * (1.0 - sin * sin).sqrt() - self.sin * sin;
+        way.dot(&self.axis).abs() >= (cos - 1e-12) * length
+    }
 }
 
 /// Normal of the plane in which all points lie.
@@ -93,12 +111,12 @@ fn plane(points: &[[f64; 3]], p: usize, q: usize) -> Option<Vector3> {
 
 /// Mean direction of the differences along the first index, and the cosine of the widest angle to
 /// it.
-fn tangents<'a>(
+fn tangents<'a, const ROOM: usize>(
     at: impl Fn(usize, usize) -> &'a [f64; 3],
     p: usize,
     q: usize,
 ) -> Option<(Vector3, f64)> {
-    let mut units = [Vector3::zeros(); (crate::basis::MAX_DEGREE + 1) * crate::basis::MAX_DEGREE];
+    let mut units = [Vector3::zeros(); ROOM];
     let (mut count, mut sum) = (0, Vector3::zeros());
     for k in 0..p {
         for l in 0..=q {

@@ -6,7 +6,7 @@
 
 use crate::math::{Point3, Vector3};
 use crate::surface::bezier::PieceDirection;
-use crate::surface::{ClosestSolver, Frame, Surface};
+use crate::surface::{BezierPieces, Frame, Surface};
 
 /// Steps of Newton's method; it arrives in five or never.
 const STEPS: usize = 12;
@@ -22,20 +22,16 @@ pub(in crate::contact) struct StationaryPair {
     pub flat: bool,
 }
 
-/// One of two surfaces.
+/// One of two surfaces, its pieces up to date.
+#[derive(Clone, Copy)]
 pub(in crate::contact) struct Half<'a> {
     pub surface: &'a Surface,
-    pub solver: &'a mut ClosestSolver,
+    pub pieces: &'a BezierPieces,
 }
 
 impl Half<'_> {
-    fn frame(&mut self, x: [f64; 2]) -> Frame {
-        self.solver.frame_at(self.surface, x[0], x[1])
-    }
-
     fn confine(&self, x: [f64; 2]) -> [f64; 2] {
-        let pieces = self.solver.pieces_now();
-        [confine(&pieces.u, x[0]), confine(&pieces.v, x[1])]
+        [confine(&self.pieces.u, x[0]), confine(&self.pieces.v, x[1])]
     }
 }
 
@@ -51,8 +47,8 @@ fn confine(d: &PieceDirection, x: f64) -> f64 {
 /// From the middles of two parts and their widths: the pair in or beside them, if Newton goes
 /// there.
 pub(in crate::contact) fn face(
-    a: &mut Half<'_>,
-    b: &mut Half<'_>,
+    a: Half<'_>,
+    b: Half<'_>,
     start: [[f64; 2]; 2],
     widths: [[f64; 2]; 2],
 ) -> Option<StationaryPair> {
@@ -60,7 +56,7 @@ pub(in crate::contact) fn face(
     let mut x = start;
     for step in 0..STEPS {
         let (at, bt) = (a.confine(x[0]), b.confine(x[1]));
-        let (fa, fb) = (a.frame(at), b.frame(bt));
+        let (fa, fb) = (a.pieces.frame_at(at), b.pieces.frame_at(bt));
         let flip = if b.surface.flip_normal() { -1.0 } else { 1.0 };
         let (da, db) = match newton(&fa, &fb, flip, widths[0])? {
             Way::Step(da, db) => (da, db),
@@ -78,7 +74,7 @@ pub(in crate::contact) fn face(
                 d = [d[0] / most, d[1] / most];
             }
             short &= most < 1e-10;
-            let half = if k == 0 { &*a } else { &*b };
+            let half = if k == 0 { a } else { b };
             for c in 0..2 {
                 x[k][c] += d[c];
                 // Another pair of parts holds what is farther away.
@@ -89,8 +85,7 @@ pub(in crate::contact) fn face(
             }
             // At an end that does not wrap, the parameter stays there.
             let y = half.confine(x[k]);
-            let pieces = half.solver.pieces_now();
-            for (c, direction) in [&pieces.u, &pieces.v].into_iter().enumerate() {
+            for (c, direction) in [&half.pieces.u, &half.pieces.v].into_iter().enumerate() {
                 if !direction.periodic {
                     x[k][c] = y[c];
                 }
@@ -114,8 +109,8 @@ pub(in crate::contact) fn face(
 
 /// Of two places where surfaces are flat on each other: one of them with its foot on the other, in or beside its part.
 fn over(
-    a: &Half<'_>,
-    b: &Half<'_>,
+    a: Half<'_>,
+    b: Half<'_>,
     [fa, fb]: [Frame; 2],
     [at, bt]: [[f64; 2]; 2],
     widths: [[f64; 2]; 2],

@@ -265,13 +265,13 @@ impl PairSolver {
         };
         self.touch.find(&mut a, &mut b, reach_m);
         {
-            let mut a = Half {
+            let a = Half {
                 surface: body,
-                solver: body_solver,
+                pieces: body_pieces,
             };
-            let mut b = Half {
+            let b = Half {
                 surface: tool,
-                solver: tool_solver,
+                pieces: tool_pieces,
             };
             for &(x, y) in self.touch.facing() {
                 if self.facing.len() == MOST_FACING {
@@ -293,7 +293,7 @@ impl PairSolver {
                 }
                 let ((am, aw), (bm, bw)) =
                     (self.body.middle(x as usize), self.tool.middle(y as usize));
-                let Some(found) = face(&mut a, &mut b, [am, bm], [aw, bw]) else {
+                let Some(found) = face(a, b, [am, bm], [aw, bw]) else {
                     continue;
                 };
                 let same = |f: &StationaryPair| {

@@ -13,13 +13,29 @@ pub(super) fn restrict(
     n: usize,
     m: usize,
     whole: bool,
+    give: impl FnMut(usize, &[f64; 4]),
+) {
+    // Room for all degrees takes longer to clear than a cubic part takes.
+    match n <= 4 && m <= 4 {
+        true => restrict_in::<16>(piece, u, v, [n, m], whole, give),
+        false => restrict_in::<MOST_POINTS>(piece, u, v, [n, m], whole, give),
+    }
+}
+
+#[inline(always)]
+fn restrict_in<const ROOM: usize>(
+    piece: &[[f64; 4]],
+    u: &[f64],
+    v: &[f64],
+    [n, m]: [usize; 2],
+    whole: bool,
     mut give: impl FnMut(usize, &[f64; 4]),
 ) {
-    let mut rows = [[0.0; 4]; MOST_POINTS];
+    let mut rows = [[0.0; 4]; ROOM];
     if whole {
         rows[..n * m].copy_from_slice(&piece[..n * m]);
     } else {
-        let mut half = [[0.0; 4]; MOST_POINTS];
+        let mut half = [[0.0; 4]; ROOM];
         for k in 0..n {
             for a in 0..n {
                 let share = u[k * n + a];

@@ -43,7 +43,7 @@ pub(super) fn greatest(a: &[f64]) -> f64 {
 
 /// Halves in u: the lower half to `low`, the upper half stays.
 #[inline(always)]
-pub(super) fn halve_u(a: &mut [f64], low: &mut [f64], nu: usize, nv: usize) {
+pub(crate) fn halve_u(a: &mut [f64], low: &mut [f64], nu: usize, nv: usize) {
     low[..nv].copy_from_slice(&a[..nv]);
     for k in 1..nu {
         for x in 0..(nu - k) * nv {
@@ -55,7 +55,7 @@ pub(super) fn halve_u(a: &mut [f64], low: &mut [f64], nu: usize, nv: usize) {
 
 /// Halves in v.
 #[inline(always)]
-pub(super) fn halve_v(a: &mut [f64], low: &mut [f64], nu: usize, nv: usize) {
+pub(crate) fn halve_v(a: &mut [f64], low: &mut [f64], nu: usize, nv: usize) {
     for i in 0..nu {
         let (a, low) = (&mut a[i * nv..(i + 1) * nv], &mut low[i * nv..(i + 1) * nv]);
         low[0] = a[0];

@@ -317,16 +317,11 @@ fn rays(joined: &mut JoinedCurve<'_>, pairs: &[(usize, usize)], found: &mut Vec<
             continue;
         }
         let ((am, aw), (bm, bw)) = (a.middle(x), b.middle(y));
-        let [first, second] = &mut joined.solvers;
-        let mut half_a = Half {
-            surface: joined.surfaces[0],
-            solver: first,
-        };
-        let mut half_b = Half {
-            surface: joined.surfaces[1],
-            solver: second,
-        };
-        let Some(pair) = face(&mut half_a, &mut half_b, [am, bm], [aw, bw]) else {
+        let [a, b] = [0, 1].map(|k| Half {
+            surface: joined.surfaces[k],
+            pieces: joined.solvers[k].pieces_now(),
+        });
+        let Some(pair) = face(a, b, [am, bm], [aw, bw]) else {
             continue;
         };
         let wide = [aw[0], aw[1], bw[0], bw[1]];
