@@ -94,6 +94,18 @@ pub(super) fn poses(surface: &Surface, count: usize, depth_m: f64) -> Vec<Pose> 
         .collect()
 }
 
+/// Poses of the ball-shaped tool, once a millisecond: its outermost point wanders 3 mm lower than these, and it turns.
+pub(super) fn slide(surface: &Surface, places: &[Point3]) -> Vec<Pose> {
+    let mut solver = ClosestSolver::new(surface);
+    let pose = |(tick, place): (usize, &Point3)| {
+        let out = solver.closest(surface, place).normal;
+        let centre = place + out * (TOOL_RADIUS_M - 3e-3);
+        let turn = Rotation::from_scaled_axis(Vector3::new(1.0, 2.0, 3.0) * (1e-3 * tick as f64));
+        Pose::from_parts(centre.coords.into(), turn)
+    };
+    places.iter().enumerate().map(pose).collect()
+}
+
 /// The pose at which a second patch covers that share of the first.
 pub(super) fn covering(percent: u32) -> Pose {
     let share = (f64::from(percent) / 100.0).sqrt();

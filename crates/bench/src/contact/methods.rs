@@ -113,10 +113,10 @@ pub(super) struct ToolMesh {
     pub tool: MeshTool,
 }
 
-/// The ball-shaped tool in 40 × 24 cells.
-pub(super) fn ball_mesh() -> ToolMesh {
+/// The ball-shaped tool in triangles, so many cells a piece.
+pub(super) fn ball_mesh(cells: [usize; 2]) -> ToolMesh {
     let mesh = super::inputs::tool(8)
-        .tessellated([40, 24])
+        .tessellated(cells)
         .expect("a ball has triangles");
     ToolMesh {
         tool: MeshTool::new(&mesh.points, &mesh.triangles).expect("a ball is closed"),

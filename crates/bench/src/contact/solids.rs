@@ -1,6 +1,6 @@
 //! Cases of one surface and a tool of another kind.
 
-use super::inputs::{near, planes, poses, solid_torus, tool};
+use super::inputs::{near, planes, poses, slide, solid_torus, tool};
 use super::methods::{Mesh, ball_mesh};
 use super::{Known, RESOLUTIONS, Suite, oracle};
 use crate::inputs::{Random, walk};
@@ -145,11 +145,15 @@ impl Suite<'_> {
         });
     }
 
-    /// The tool is a triangle mesh; for the spheres, a solid by its signed distance.
-    pub(super) fn mesh(&mut self, case: &str, surface: &Surface) {
+    /// The tool is a triangle mesh of so many cells a piece; cold, also for the spheres, as a solid by its signed distance.
+    pub(super) fn mesh(&mut self, case: &str, surface: &Surface, cells: [usize; 2], warm: bool) {
         let n = self.count(400);
-        let (tool_surface, tool_mesh) = (tool(8), ball_mesh());
-        let poses = poses(surface, n, 3e-3);
+        let (tool_surface, tool_mesh) = (tool(8), ball_mesh(cells));
+        let poses = if warm {
+            slide(surface, &walk(surface, n))
+        } else {
+            poses(surface, n, 3e-3)
+        };
         let mut oracle = oracle::Sampled::coarse(surface);
         let known = Known::of(n, 4, |k| {
             oracle.greatest(surface, |p| -tool_mesh.at(&poses[k]).signed_gap(p).0)
@@ -159,7 +163,9 @@ impl Suite<'_> {
         let (mut exact, mut set) = (MeshSolver::new(&skin, &tool_mesh.tool), ContactSet::new());
         let result = self.measure(&known, |k| {
             let (time, ()) = clocked(|| {
-                solver.net_changed();
+                if !warm {
+                    solver.net_changed();
+                }
                 exact.contacts(
                     SkinSide {
                         skin: &skin,
@@ -183,6 +189,9 @@ impl Suite<'_> {
             (time, depths.min_by(|a, b| miss(a).total_cmp(&miss(b))))
         });
         self.report(case, "exact", false, &result);
+        if warm {
+            return;
+        }
         self.spheres(
             case,
             surface,

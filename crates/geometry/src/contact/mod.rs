@@ -13,6 +13,7 @@
 //! ```
 //! Normals point out of the body, towards the tool; a gap is negative where the tool is inside.
 
+mod balls;
 pub mod broad;
 mod depth;
 pub mod dispatch;

@@ -22,7 +22,7 @@ use super::exact::Patches;
 use super::{Contact, ContactSet};
 use crate::math::{Point3, Vector3};
 use crate::surface::bezier::{Shares, shares};
-use crate::surface::{ClosestSolver, Surface};
+use crate::surface::{BezierPieces, ClosestSolver, Surface};
 
 /// Samples of a piece in each direction.
 const GRID: usize = 8;
@@ -48,6 +48,37 @@ const SECTIONS: usize = 16;
 /// Ways out that differ by more than 60° have a ridge between them.
 const RIDGE: f64 = 0.5;
 
+/// How fast a piece goes over its local parameters, at most, m: no faster than the differences of its Bézier points, of a
+/// rational one about its middle.
+fn slopes(pieces: &BezierPieces, piece: usize) -> [f64; 2] {
+    let [p, q] = [pieces.u.degree, pieces.v.degree];
+    let (points, bounds) = (pieces.points(piece), pieces.bounds(piece));
+    let (middle, radius_m) = (
+        nalgebra::center(&bounds.min, &bounds.max),
+        0.5 * (bounds.max - bounds.min).norm(),
+    );
+    let away = |k: usize| {
+        let [x, y, z, w] = points[k];
+        (Vector3::new(x, y, z) - middle.coords * w, w)
+    };
+    let step_m = |from: usize, to: usize| {
+        let ((a, v), (b, w)) = (away(from), away(to));
+        (b - a).norm() + radius_m * (w - v).abs()
+    };
+    let along_u = (q + 1..points.len()).map(|k| step_m(k - q - 1, k));
+    let along_v = (1..points.len())
+        .filter(|k| k % (q + 1) > 0)
+        .map(|k| step_m(k - 1, k));
+    let least = points
+        .iter()
+        .fold(f64::INFINITY, |least, x| least.min(x[3]));
+    let slope = |steps: f64, degree: usize| degree as f64 * steps / least;
+    [
+        slope(along_u.fold(0.0, f64::max), p),
+        slope(along_v.fold(0.0, f64::max), q),
+    ]
+}
+
 /// A solid, in world coordinates.
 pub(super) trait DepthField {
     /// False only if the solid, grown by the margin asked for, keeps out of a box (centre, half
@@ -55,6 +86,11 @@ pub(super) trait DepthField {
     fn may_reach(&self, centre: &Point3, half: &Vector3) -> bool;
     /// Depth to first order, m, and the unit way out; cheap. −∞ where it means nothing.
     fn rough(&self, p: &Point3) -> (f64, Vector3);
+    /// Where rough depths are those of a solid of which all points are no farther from this one than so much, m; `None` where
+    /// they are not distances.
+    fn rough_by_m(&self) -> Option<f64> {
+        None
+    }
     /// Depth, m, negative outside; −∞ where it means nothing.
     fn depth_m(&self, p: &Point3) -> f64;
     /// The smooth side from which the depth of a point counts, where it is known, and those after it, nearest first.
@@ -172,7 +208,7 @@ impl DepthSearch {
         if !self.reached.contains(&true) {
             return;
         }
-        self.sample(surface, solver, field);
+        self.sample(surface, solver, field, margin_m);
         let ground = Whole(surface);
         let depth = |x: [f64; 2]| field.depth_m(&ground.point(x));
         self.pick(margin_m, !field.edges_known(), depth, out);
@@ -199,25 +235,46 @@ impl DepthSearch {
         }
     }
 
-    fn sample(&mut self, surface: &Surface, solver: &mut ClosestSolver, field: &impl DepthField) {
+    /// Of a solid that is known by distances, samples count from which a piece leads into it before the next.
+    fn sample(
+        &mut self,
+        surface: &Surface,
+        solver: &mut ClosestSolver,
+        field: &impl DepthField,
+        margin_m: f64,
+    ) {
         let pieces = solver.pieces(surface);
         let columns = self.axes[1].len();
+        let none = (f64::NEG_INFINITY, Vector3::zeros());
         let Self {
             samples, shares, ..
         } = self;
         for piece in 0..self.reached.len() {
             let (i, j) = (piece / self.pieces[1], piece % self.pieces[1]);
             let slot = |k: usize| (i * GRID + k / GRID) * columns + j * GRID + k % GRID;
-            if self.reached[piece] {
-                let [us, vs] = &*shares;
-                pieces.points_at(piece, [us, vs], |k, point| {
-                    samples[slot(k)] = field.rough(&point);
-                });
+            if !self.reached[piece] {
+                (0..GRID * GRID).for_each(|k| samples[slot(k)] = none);
                 continue;
             }
-            for k in 0..GRID * GRID {
-                samples[slot(k)] = (f64::NEG_INFINITY, Vector3::zeros());
-            }
+            let most_m = field.rough_by_m().map(|by_m| {
+                let [along_u, along_v] = slopes(pieces, piece);
+                by_m + margin_m + (along_u + along_v) * 0.5 / GRID as f64
+            });
+            let is_out = |depth_m: f64| most_m.is_some_and(|most_m| -depth_m > most_m);
+            // The last depth that was asked for, and where: it changes by no more than the way.
+            let mut last = (Point3::origin(), f64::INFINITY);
+            let [us, vs] = &*shares;
+            pieces.points_at(piece, [us, vs], |k, point| {
+                samples[slot(k)] = none;
+                if is_out(last.1 + (point - last.0).norm()) {
+                    return;
+                }
+                let sample = field.rough(&point);
+                last = (point, sample.0);
+                if !is_out(sample.0) {
+                    samples[slot(k)] = sample;
+                }
+            });
         }
     }
 

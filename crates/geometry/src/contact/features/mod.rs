@@ -43,14 +43,6 @@ pub struct Features {
 }
 
 impl Features {
-    /// The point of an edge, or the corner, next to a point, m.
-    fn nearest(&self, p: &Point3) -> Point3 {
-        let away = |q: &Point3| (q - p).norm_squared();
-        let edges = self.edges.iter().map(|edge| edge.nearest(p));
-        let all = edges.chain(self.corners.iter().copied());
-        all.min_by(|a, b| away(a).total_cmp(&away(b))).unwrap_or(*p)
-    }
-
     /// The number of the corner at a point of a solid of this size, m; a new one where there is none yet.
     pub(super) fn corner(&mut self, p: Point3, size_m: f64) -> usize {
         let near = |q: &Point3| (q - p).norm() <= SAME * size_m;

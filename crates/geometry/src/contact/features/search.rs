@@ -2,17 +2,19 @@
 
 use super::edge::FIXED;
 use super::{Edge, Features};
+use crate::contact::MAX_CONTACTS;
+use crate::contact::balls::{Ball, BallTree, Node};
 use crate::contact::{Contact, ContactSet, Reach, ToolPoint, distance_squared_to_box};
 use crate::math::{Point3, Pose, Vector3};
 use crate::skin::{Skin, SkinSolver};
 use crate::surface::{ClosestPoint, Closing, WarmFoot};
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
 
 /// Looks along a round edge, and most along another.
 const LOOKS: usize = 16;
 /// Of these, each so many is a fixed point.
 const EVERY: usize = LOOKS / FIXED;
-/// Corners of one block, whose ball is asked for before they are.
-const BLOCK: usize = 8;
 /// Looks a span of the surface.
 const LOOKS_OF_SPAN: f64 = 2.0;
 /// Slopes of the distance along an edge below this are level.
@@ -42,25 +44,41 @@ pub struct FeatureSearch {
     closed: bool,
     /// The ends of u and v are apart.
     open: [bool; 2],
-    /// (corners): what is known of each.
-    corners: Vec<CornerGap>,
-    /// (⌈corners / BLOCK⌉): centre and radius of a ball around so many corners, in the tool's frame, m.
-    blocks: Vec<(Point3, f64)>,
+    /// (corners): the foot of each that was asked for, and which these are.
+    corners: Vec<Option<ClosestPoint>>,
+    asked: Vec<usize>,
+    /// Of edges and then corners, in the tool's frame.
+    tree: BallTree,
+    /// What is still to be looked at.
+    heap: BinaryHeap<Waiting>,
     found: ContactSet,
     tops: Vec<Contact>,
 }
 
-/// How near a corner is to the body.
-#[derive(Clone, Copy, Debug)]
-struct CornerGap {
-    /// It is no nearer than this, m; negative inside.
-    least_m: f64,
-    /// Where it was looked for.
-    foot: Option<ClosestPoint>,
+/// Features that may be so deep, m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Waiting {
+    most_m: f64,
+    node: Node,
+}
+
+impl Eq for Waiting {}
+
+impl Ord for Waiting {
+    fn cmp(&self, other: &Self) -> Ordering {
+        let depth = self.most_m.total_cmp(&other.most_m);
+        depth.then(other.node.cmp(&self.node))
+    }
+}
+
+impl PartialOrd for Waiting {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
 }
 
 /// A ball around points: centre and radius, m.
-pub(super) fn ball_around(points: &[Point3]) -> (Point3, f64) {
+pub(super) fn ball_around(points: &[Point3]) -> Ball {
     let (low, high) = points
         .iter()
         .fold((points[0], points[0]), |(l, h), p| (l.inf(p), h.sup(p)));
@@ -78,6 +96,8 @@ struct Below<'a> {
     /// Around the body, m, and how far outside of it points count.
     bounds: (Point3, Point3),
     within_m: f64,
+    /// A ball that keeps out of a closed body: no point is deeper in the body than it is outside of this.
+    outside: Option<Ball>,
 }
 
 impl Below<'_> {
@@ -90,6 +110,21 @@ impl Below<'_> {
     fn away_m(&self, p: &Point3) -> f64 {
         let (low, high) = &self.bounds;
         distance_squared_to_box(p, low, high).sqrt()
+    }
+
+    /// No point of a ball is deeper, m.
+    fn most_m(&self, &(centre, radius_m): &Ball) -> f64 {
+        self.outside.map_or(f64::INFINITY, |(p, free_m)| {
+            (centre - p).norm() + radius_m - free_m
+        })
+    }
+
+    /// Finds a ball outside of a closed body, near to what may be deepest of a tool around a point.
+    fn keep_out(&mut self, middle: &Point3, size_m: f64) {
+        let foot = self.closest(middle);
+        let p = foot.point + foot.normal * (foot.signed_distance.max(0.0) + size_m);
+        let free_m = self.gap_m(&p);
+        self.outside = (free_m > 0.0).then_some((p, free_m));
     }
 
     /// The contact of a point of the tool with its foot. Beyond an open rim there is none.
@@ -181,6 +216,8 @@ impl FeatureSearch {
             LOOKS_OF_SPAN * spans[0].max(spans[1]).max(1) as f64
         });
         let ends = skin.surface().map(|surface| surface.topology().closing);
+        let corners = features.corners.iter().map(|p| (*p, 0.0));
+        let tree = BallTree::new(features.edges.iter().map(Edge::ball).chain(corners));
         Self {
             size_m,
             spacing_m: size_m / looks,
@@ -188,16 +225,12 @@ impl FeatureSearch {
             open: ends.map_or([false; 2], |ends| {
                 ends.map(|closing| closing == Closing::Open)
             }),
-            corners: vec![
-                CornerGap {
-                    least_m: f64::INFINITY,
-                    foot: None,
-                };
-                features.corners.len()
-            ],
-            blocks: features.corners.chunks(BLOCK).map(ball_around).collect(),
+            corners: vec![None; features.corners.len()],
+            asked: Vec::with_capacity(features.corners.len()),
+            heap: BinaryHeap::with_capacity(tree.len()),
+            tree,
             found: ContactSet::new(),
-            tops: Vec::with_capacity(crate::contact::MAX_CONTACTS),
+            tops: Vec::with_capacity(MAX_CONTACTS),
         }
     }
 
@@ -215,66 +248,120 @@ impl FeatureSearch {
         solver: &mut SkinSolver,
         reach: &Reach,
     ) {
-        let (side, size_m, spacing_m) = (reach.side(), self.size_m, self.spacing_m);
-        let (open, closed) = (self.open, self.closed);
-        let Self {
-            found: set,
-            corners,
-            blocks,
-            ..
-        } = self;
-        set.clear();
+        self.found.clear();
+        self.heap.clear();
+        self.asked.drain(..).for_each(|k| self.corners[k] = None);
+        let Some(root) = self.tree.root() else {
+            return;
+        };
         let points = skin.points();
-        let (low, high) = points
+        let bounds = points
             .iter()
             .fold((points[0], points[0]), |(l, h), p| (l.inf(p), h.sup(p)));
-        let behind_m = if closed { 0.0 } else { size_m };
+        let behind_m = if self.closed { 0.0 } else { self.size_m };
+        let rounding_m = 1e-9 * self.size_m;
         let mut below = Below {
             skin,
             solver,
-            side,
-            open,
-            bounds: (low, high),
-            within_m: reach.margin_m + behind_m + 1e-9 * size_m,
+            side: reach.side(),
+            open: self.open,
+            bounds,
+            within_m: reach.margin_m + behind_m + rounding_m,
+            outside: None,
         };
-        // The distance changes by no more than the way.
-        for (block, (centre, radius_m)) in blocks.iter().enumerate() {
-            let first = block * BLOCK;
-            let last = corners.len().min(first + BLOCK);
-            let centre = pose * centre;
-            let is_near = below.may_touch(&centre, *radius_m);
-            let least_m = match is_near {
-                false => below.away_m(&centre) - radius_m,
-                true if last - first == 1 => f64::NEG_INFINITY,
-                true => below.gap_m(&centre) - radius_m,
-            };
-            for k in first..last {
-                corners[k] = CornerGap {
-                    least_m,
-                    foot: None,
-                };
-                let p = pose * features.corners[k];
-                if !is_near || least_m > reach.margin_m {
-                    continue;
-                }
-                corners[k].least_m = below.away_m(&p);
-                if below.may_touch(&p, 0.0) {
-                    let foot = below.closest(&p);
-                    corners[k] = CornerGap {
-                        least_m: side * foot.signed_distance,
-                        foot: Some(foot),
-                    };
-                    push(set, reach, below.contact(&foot, &p, ToolPoint::Corner));
-                }
-            }
+        let (middle, radius_m) = self.tree.ball(root);
+        let middle = pose * middle;
+        if !below.may_touch(&middle, radius_m) {
+            return;
         }
-        for edge in &features.edges {
-            let (centre, radius_m) = edge.ball();
-            if !below.may_touch(&(pose * centre), radius_m) {
+        if self.closed {
+            below.keep_out(&middle, self.size_m);
+        }
+        self.heap.push(Waiting {
+            most_m: f64::INFINITY,
+            node: root,
+        });
+        while let Some(Waiting { mut most_m, node }) = self.heap.pop() {
+            // Of more than there is room for, the deepest stay.
+            let last = self.found.contacts().get(MAX_CONTACTS - 1);
+            let least_m = last.map_or(-reach.margin_m, |contact| contact.depth_m) - rounding_m;
+            if most_m < least_m {
+                break;
+            }
+            if node.0 == 0 {
+                self.look(features, node.1, pose, &mut below, reach);
                 continue;
             }
-            along(edge, corners, spacing_m, pose, &mut below, reach, set);
+            // The distance changes by no more than the way.
+            if self.closed {
+                let (centre, radius_m) = self.tree.ball(node);
+                most_m = most_m.min(radius_m - below.gap_m(&(pose * centre)));
+            }
+            for child in self.tree.within(node) {
+                let most_m = most_m.min(self.most_of(features, child, pose, &below));
+                if most_m >= least_m {
+                    self.heap.push(Waiting {
+                        most_m,
+                        node: child,
+                    });
+                }
+            }
         }
+    }
+
+    /// No feature of a ball of the tree is deeper, m; −∞ where none is near.
+    fn most_of(&self, features: &Features, node: Node, pose: &Pose, below: &Below<'_>) -> f64 {
+        let (centre, radius_m) = self.tree.ball(node);
+        let centre = pose * centre;
+        if !below.may_touch(&centre, radius_m) {
+            return f64::NEG_INFINITY;
+        }
+        match features.edges.get(node.1).filter(|_| node.0 == 0) {
+            // Of a straight edge the ends are outermost.
+            Some(Edge::Segment { ends, .. }) => {
+                let [a, b] = ends.map(|p| below.most_m(&(pose * p, 0.0)));
+                a.max(b)
+            }
+            _ => below.most_m(&(centre, radius_m)),
+        }
+    }
+
+    /// Adds the contacts of a feature: an edge or, behind the last, a corner.
+    fn look(
+        &mut self,
+        features: &Features,
+        k: usize,
+        pose: &Pose,
+        below: &mut Below<'_>,
+        reach: &Reach,
+    ) {
+        let mut foot = |corner: usize, below: &mut Below<'_>| {
+            *self.corners[corner].get_or_insert_with(|| {
+                self.asked.push(corner);
+                below.closest(&(pose * features.corners[corner]))
+            })
+        };
+        let Some(edge) = features.edges.get(k) else {
+            let corner = k - features.edges.len();
+            let foot = foot(corner, below);
+            let p = pose * features.corners[corner];
+            push(
+                &mut self.found,
+                reach,
+                below.contact(&foot, &p, ToolPoint::Corner),
+            );
+            return;
+        };
+        let ends = edge.corners().map(|ends| ends.map(|k| foot(k, below)));
+        along(
+            edge,
+            ends,
+            self.spacing_m,
+            pose,
+            below,
+            reach,
+            &mut self.found,
+        );
     }
 
     /// Adds what was found to what a query of the faces found, `set`, of which stays what is deeper than the features
@@ -304,7 +391,7 @@ impl FeatureSearch {
         self.found.contacts().iter().for_each(|c| set.push(*c));
         for top in &self.tops {
             let place = pose.inverse_transform_point(&top.on_tool);
-            let beside = pose * features.nearest(&place);
+            let beside = pose * nearest(features, &self.tree, &place);
             let beside_m = -side * solver.closest(skin, &beside).signed_distance;
             let by_m = top.depth_m - beside_m;
             if by_m > DEEPER * self.size_m {
@@ -317,10 +404,36 @@ impl FeatureSearch {
     }
 }
 
+/// The point of an edge, or the corner, next to a point, m.
+fn nearest(features: &Features, tree: &BallTree, p: &Point3) -> Point3 {
+    let away_m = |node: Node| {
+        let (centre, radius_m) = tree.ball(node);
+        (centre - p).norm() - radius_m
+    };
+    let mut best = (f64::INFINITY, 0, *p);
+    tree.descend(&mut |node| {
+        if away_m(node) > best.0 * (1.0 + 1e-9) {
+            return false;
+        }
+        if node.0 == 0 {
+            let q = match features.edges.get(node.1) {
+                Some(edge) => edge.nearest(p),
+                None => features.corners[node.1 - features.edges.len()],
+            };
+            let found = ((q - p).norm(), node.1, q);
+            if (found.0, found.1) < (best.0, best.1) {
+                best = found;
+            }
+        }
+        true
+    });
+    best.2
+}
+
 /// The least distances along an edge, and the fixed points of a round one.
 fn along(
     edge: &Edge,
-    corners: &[CornerGap],
+    ends: Option<[ClosestPoint; 2]>,
     spacing_m: f64,
     pose: &Pose,
     below: &mut Below<'_>,
@@ -337,10 +450,9 @@ fn along(
     } else {
         LOOKS
     };
-    let ends = edge.corners();
     // Where both ends are farther than the way between them, nothing between is near.
     if let Some(ends) = ends {
-        let [a, b] = ends.map(|corner| corners[corner].least_m);
+        let [a, b] = ends.map(|foot| below.side * foot.signed_distance);
         if a + b - length_m > 2.0 * reach.margin_m {
             return;
         }
@@ -370,8 +482,8 @@ fn along(
     for k in (0..=looks).filter(|&k| counted[k]) {
         let (p, way) = places[k];
         let foot = match ends {
-            Some([first, _]) if k == 0 => corners[first].foot,
-            Some([_, last]) if k == looks => corners[last].foot,
+            Some([first, _]) if k == 0 => Some(first),
+            Some([_, last]) if k == looks => Some(last),
             None if k == looks => feet[0].map(|(foot, _)| foot),
             _ => None,
         };

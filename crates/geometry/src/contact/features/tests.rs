@@ -201,3 +201,39 @@ fn a_mesh_has_the_edges_and_corners_of_what_it_stands_for() {
         );
     }
 }
+
+// Of many corners and edges, those that are looked at last are less deep than all that there is room for.
+#[test]
+fn of_more_features_than_there_is_room_for_the_deepest_are_found() {
+    let mut random = Random(11);
+    let ball = builtin("sphere", Some([8, 8]), Some(0.012)).unwrap();
+    let mesh = ball.tessellated([4, 4]).unwrap();
+    let tool = MeshTool::new(&mesh.points, &mesh.triangles).unwrap();
+    let features = tool.features();
+    for name in ["teardrop", "torus", "sphere"] {
+        let skin = &Skin::from(builtin(name, None, None).unwrap());
+        let mut solver = SkinSolver::new(skin);
+        let mut search = FeatureSearch::new(skin, features);
+        for k in 0..8 {
+            let place = skin.point(random.float(0.0, 1.0), random.float(0.1, 0.9));
+            let shift = Vector3::new(0.0, 0.0, 0.002 * f64::from(k));
+            let pose = Pose::from_parts((place.coords + shift).into(), random.rotation());
+            search.find(features, &pose, skin, &mut solver, &Reach::TOUCH);
+            let found: Vec<f64> = search.found().iter().map(|c| c.depth_m).collect();
+            let deepest = found[0];
+            let mut depth = |p: &Point3| -solver.closest(skin, &(pose * p)).signed_distance;
+            for p in &features.corners {
+                let here = depth(p);
+                let shallow = found.len() == crate::contact::MAX_CONTACTS && here <= found[31];
+                assert!(
+                    here < 0.0 || shallow || found.contains(&here),
+                    "{name} {here}"
+                );
+            }
+            for edge in features.edges.iter().step_by(7) {
+                let along = (0..=8).map(|k| depth(&edge.at(f64::from(k) / 8.0).0));
+                assert!(along.fold(0.0, f64::max) <= deepest + 1e-12, "{name}");
+            }
+        }
+    }
+}

@@ -3,18 +3,19 @@
 //!
 //! ```text
 //! check    merged, closed, oriented outwards, with a volume: or a reason why not
-//! parry    distance to the mesh, by parry's tree of boxes; the only place that knows its types
+//! tree     distance to the triangles
 //! solver   vertices inside the body and surface points inside the mesh, one contact of each region at least
 //! ```
 
 mod check;
-mod parry;
 mod solver;
 #[cfg(test)]
 mod tests;
+mod tree;
 
-use self::parry::Triangles;
+use self::tree::{Near, Triangles};
 use crate::contact::Features;
+use crate::contact::balls::{Ball, BallTree, around};
 use crate::contact::features::SHARP;
 use crate::math::{Point3, Pose, Vector3};
 use crate::part::{Part, PartMesh, TrianglesError};
@@ -27,8 +28,8 @@ pub use solver::MeshSolver;
 const TOLERANCE: f64 = 2e-4;
 const MOST_TRIANGLES: usize = 200_000;
 
-/// Vertices of one block, whose ball is asked for before they are.
-const BLOCK: usize = 32;
+/// Vertices of one block, which are asked for after the balls around it.
+const BLOCK: usize = 16;
 
 /// A solid bounded by triangles, in the tool's frame.
 #[derive(Clone)]
@@ -39,8 +40,8 @@ pub struct MeshTool {
     /// Neighbours of vertex k: `neighbours[offsets[k]..offsets[k + 1]]`.
     offsets: Vec<u32>,
     neighbours: Vec<u32>,
-    /// (⌈vertices / BLOCK⌉): centre and radius of a ball around each block of vertices, m.
-    blocks: Vec<(Point3, f64)>,
+    /// Around blocks of vertices.
+    blocks: BallTree,
     features: Features,
     /// (triangles, or faces of a part): normal and its distance from the origin, m; of those whose sides all are sharp or level.
     planes: Vec<Option<(Vector3, f64)>>,
@@ -86,28 +87,14 @@ impl MeshTool {
         for k in 1..offsets.len() {
             offsets[k] += offsets[k - 1];
         }
-        let blocks = sound
-            .vertices
-            .chunks(BLOCK)
-            .map(|block| {
-                let (low, high) = block
-                    .iter()
-                    .fold((block[0], block[0]), |(l, h), p| (l.inf(p), h.sup(p)));
-                let centre = low + (high - low) * 0.5;
-                (
-                    centre,
-                    block
-                        .iter()
-                        .map(|p| (p - centre).norm())
-                        .fold(0.0, f64::max),
-                )
-            })
-            .collect();
+        let blocks = (sound.vertices.chunks(BLOCK))
+            .map(|block| around(&block.iter().map(|p| (*p, 0.0)).collect::<Vec<_>>()));
+        let blocks = BallTree::new(blocks);
         let (features, planes) = Self::sharp_features(&sound.vertices, &sound.triangles);
         Ok(Self {
             features,
             planes,
-            triangles: Triangles::new(&sound.vertices, &sound.triangles)?,
+            triangles: Triangles::new(&sound.vertices, &sound.triangles, sound.size_m),
             offsets,
             neighbours: pairs.into_iter().map(|(_, b)| b).collect(),
             blocks,
@@ -183,7 +170,11 @@ impl MeshTool {
     /// Signed distance of a point of the tool's frame to the triangles, m, negative inside, and the unit
     /// way out of the mesh there. A point that is not finite is infinitely far.
     pub fn signed_distance(&self, p: &Point3) -> (f64, Vector3) {
-        self.triangles.signed_distance(p, 1e-12 * self.size_m)
+        if !p.iter().all(|x| x.is_finite()) {
+            return (f64::INFINITY, Vector3::z());
+        }
+        let foot = self.triangles.foot(p, &mut Near::default());
+        (foot.gap_m, foot.out)
     }
 
     /// Gap of a world point to the mesh at a pose, m, and the unit vector towards the mesh's
@@ -196,6 +187,21 @@ impl MeshTool {
     /// Edges sharper than 1° that stand out, and their ends.
     pub fn features(&self) -> &Features {
         &self.features
+    }
+
+    /// A ball around all of it.
+    fn ball(&self) -> Ball {
+        let root = self.blocks.root().map(|root| self.blocks.ball(root));
+        root.unwrap_or((Point3::origin(), f64::INFINITY))
+    }
+
+    /// A vertex is outside by more than the margin, or one beside it is deeper, as two points tell from their gaps, m, one
+    /// out of the body and one into it.
+    fn is_passed(&self, vertex: usize, [out, into]: [(Point3, f64); 2], margin_m: f64) -> bool {
+        let p = &self.vertices[vertex];
+        let least_m = out.1 - (p - out.0).norm() - 1e-12 * self.size_m;
+        let most_m = |&k: &u32| into.1 + (self.vertices[k as usize] - into.0).norm();
+        least_m > margin_m || self.neighbours(vertex).iter().any(|k| most_m(k) < least_m)
     }
 
     fn neighbours(&self, vertex: usize) -> &[u32] {

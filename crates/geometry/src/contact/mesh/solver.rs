@@ -6,26 +6,38 @@
 //! stands for both. (The inside of an edge or face of the mesh is deepest only where the body is
 //! hollowed out to its shape; there the second kind still finds the region.)
 
+use super::tree::{MeshFoot, Near};
 use super::{BLOCK, MeshTool};
+use crate::contact::balls::Node;
 use crate::contact::depth::{DepthField, SkinDepths};
 use crate::contact::{Contact, ContactSet, MAX_CONTACTS, Reach, ToolPoint};
 use crate::math::{Point3, Pose, Vector3};
 use crate::part::{Part, PartFoot, PartSolver, Support};
-use crate::skin::{Skin, SkinSide, SkinSolver};
+use crate::skin::{Skin, SkinSide};
 use crate::surface::{ClosestPoint, WarmFoot};
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 
-/// Closest points asked for in one query.
+/// Vertices asked for in one query.
 const MOST_QUERIES: usize = 4_096;
+/// Vertices of a block that may be known by two points around it; how far these are, of its radius, and at most, of the
+/// size of the body.
+const MOST_AROUND: usize = 256;
+const AWAY: f64 = 16.0;
+const DEEP: f64 = 0.125;
+/// Of the size: a point this far from the body has a way out of its own.
+const FAR: f64 = 1e-9;
 
 /// Scratch for one mesh against one body, sized once. Nothing in it outlives a query.
 #[derive(Clone, Debug)]
 pub struct MeshSolver {
     search: SkinDepths,
     closed: bool,
-    /// (vertices): depth in the body, m; −∞ where it is outside by more than the margin.
+    /// (vertices): depth in the body of those that were asked for, m; −∞ where it is outside by more than the margin.
     depths: Vec<f64>,
-    corners: Vec<Contact>,
+    asked: Vec<u32>,
+    /// Blocks of vertices that are still to be looked at, and what is known around them.
+    blocks: Vec<(Node, Option<Around>)>,
+    pub(super) corners: Vec<Contact>,
     /// Of a tool that is a part.
     part: Option<Box<RefCell<Asked>>>,
 }
@@ -58,6 +70,8 @@ impl Asked {
 #[derive(Clone, Copy)]
 struct Distance<'a> {
     tool: &'a MeshTool,
+    /// What was near to the last point, from which the next is not far.
+    near: &'a Cell<Near>,
     part: Option<&'a RefCell<Asked>>,
 }
 
@@ -69,8 +83,23 @@ impl Distance<'_> {
                 let foot = asked.borrow_mut().foot(part, p);
                 of_foot(self.tool, p, foot)
             }
-            _ => self.tool.signed_distance(p),
+            _ => self.signed_roughly(p),
         }
+    }
+
+    fn signed_roughly(&self, p: &Point3) -> (f64, Vector3) {
+        if !p.iter().all(|x| x.is_finite()) {
+            return (f64::INFINITY, Vector3::z());
+        }
+        let foot = self.foot(p);
+        (foot.gap_m, foot.out)
+    }
+
+    fn foot(&self, p: &Point3) -> MeshFoot {
+        let mut near = self.near.get();
+        let foot = self.tool.triangles.foot(p, &mut near);
+        self.near.set(near);
+        foot
     }
 
     /// The distance to the triangles is off by no more, m.
@@ -100,7 +129,7 @@ struct PlacedMesh<'a> {
 impl PlacedMesh<'_> {
     fn to_triangles(&self, p: &Point3) -> (f64, Vector3) {
         let p = self.pose.inverse_transform_point(p);
-        self.distance.tool.signed_distance(&p)
+        self.distance.signed_roughly(&p)
     }
 
     fn signed(&self, p: &Point3) -> (f64, Vector3) {
@@ -112,12 +141,18 @@ impl DepthField for PlacedMesh<'_> {
     fn may_reach(&self, centre: &Point3, half: &Vector3) -> bool {
         // No point of the box is nearer than its centre less its radius.
         let most_m = half.norm() * (1.0 + 1e-9) + self.margin_m + self.distance.off_m();
-        self.to_triangles(centre).0 <= most_m
+        let p = self.pose.inverse_transform_point(centre);
+        let (middle, radius_m) = self.distance.tool.ball();
+        (p - middle).norm() <= radius_m + most_m && self.distance.signed_roughly(&p).0 <= most_m
     }
 
     fn rough(&self, p: &Point3) -> (f64, Vector3) {
         let (gap_m, out) = self.to_triangles(p);
         (-gap_m, out)
+    }
+
+    fn rough_by_m(&self) -> Option<f64> {
+        Some(self.distance.off_m() + 1e-9 * self.distance.tool.size_m)
     }
 
     fn depth_m(&self, p: &Point3) -> f64 {
@@ -140,7 +175,7 @@ impl DepthField for PlacedMesh<'_> {
             let face = face as usize;
             return tool.planes[face].map(|_| face);
         }
-        let triangle = tool.triangles.nearest(&p);
+        let triangle = self.distance.foot(&p).triangle;
         tool.planes[triangle].map(|_| triangle)
     }
 
@@ -163,7 +198,9 @@ impl MeshSolver {
         Self {
             search: SkinDepths::new(skin),
             closed: skin.is_closed(),
-            depths: vec![f64::NEG_INFINITY; tool.vertices.len()],
+            depths: vec![f64::NAN; tool.vertices.len()],
+            asked: Vec::with_capacity(tool.vertices.len()),
+            blocks: Vec::with_capacity(tool.blocks.len()),
             corners: Vec::with_capacity(MAX_CONTACTS),
             part: (tool.part.as_deref()).map(|part| Box::new(RefCell::new(Asked::new(part)))),
         }
@@ -222,18 +259,19 @@ impl MeshSolver {
         if let Some(asked) = part.as_deref() {
             asked.borrow_mut().warm = WarmFoot::default();
         }
-        let distance = Distance {
-            tool,
-            part: part.as_deref(),
-        };
+        let near = Cell::new(Near::default());
         let field = PlacedMesh {
-            distance,
+            distance: Distance {
+                tool,
+                near: &near,
+                part: part.as_deref(),
+            },
             pose,
             margin_m: reach.margin_m,
         };
         self.search
             .search(skin, solver, &field, reach.margin_m, beside, out);
-        self.vertices(skin, solver, tool, pose, reach, out);
+        self.vertices(SkinSide { skin, solver }, tool, pose, reach, out);
         let level_m = -1e-9 * self.search.size_m();
         let depth = |x: [f64; 2]| field.depth_m(&skin.point(x[0], x[1]));
         for corner in &self.corners {
@@ -268,86 +306,165 @@ impl MeshSolver {
     /// Vertices that are deeper in the body than those beside them.
     fn vertices(
         &mut self,
-        skin: &Skin,
-        solver: &mut SkinSolver,
+        body: SkinSide<'_>,
         tool: &MeshTool,
         pose: &Pose,
         reach: &Reach,
         out: &mut ContactSet,
     ) {
         self.corners.clear();
-        self.depths.fill(f64::NEG_INFINITY);
+        (self.asked.drain(..)).for_each(|k| self.depths[k as usize] = f64::NAN);
         // A sheet has no inside to be in the box of: a vertex may be as far behind it as the mesh
         // is large.
         let behind_m = if self.closed { 0.0 } else { tool.size_m };
-        let (low, high) = bounds(skin, reach.margin_m + behind_m);
-        let gap = |solver: &mut SkinSolver, p: &Point3| {
-            reach.side() * solver.closest(skin, p).signed_distance
+        let mut below = Below {
+            bounds: bounds(body.skin, reach.margin_m + behind_m),
+            body,
+            reach,
+            size_m: self.search.size_m(),
         };
-        let mut queries = 0;
+        self.blocks.clear();
+        self.blocks
+            .extend(tool.blocks.root().map(|root| (root, None)));
         let mut complete = true;
-        for (block, (centre, radius_m)) in tool.blocks.iter().enumerate() {
-            let centre = pose * centre;
-            let far =
-                (0..3).any(|c| centre[c] + radius_m < low[c] || centre[c] - radius_m > high[c]);
-            if far {
-                continue;
-            }
-            queries += 1;
-            if queries > MOST_QUERIES {
+        while let Some((block, known)) = self.blocks.pop() {
+            if self.asked.len() >= MOST_QUERIES {
                 complete = false;
                 break;
             }
-            if self.closed && gap(solver, &centre) > radius_m + reach.margin_m {
-                continue;
-            }
-            let first = block * BLOCK;
-            for k in first..(first + BLOCK).min(tool.vertices.len()) {
-                let p = pose * tool.vertices[k];
-                if (0..3).any(|c| p[c] < low[c] || p[c] > high[c]) {
-                    continue;
-                }
-                queries += 1;
-                let gap_m = gap(solver, &p);
-                if gap_m <= reach.margin_m {
-                    self.depths[k] = -gap_m;
-                }
-            }
-        }
-        for k in 0..self.depths.len() {
-            let here = self.depths[k];
-            let deepest = here > f64::NEG_INFINITY
-                && tool.neighbours(k).iter().all(|&other| {
-                    let other = other as usize;
-                    if other < k {
-                        here > self.depths[other]
-                    } else {
-                        here >= self.depths[other]
-                    }
-                });
-            if !deepest {
-                continue;
-            }
-            let p = pose * tool.vertices[k];
-            let foot = solver.closest(skin, &p);
-            let Some(corner) = corner(&foot, &p, reach.side(), self.closed) else {
-                continue;
+            let ball = tool.blocks.ball(block);
+            let (centre, radius_m) = (pose * ball.0, ball.1);
+            let inside = tool.blocks.leaves(block);
+            let first = inside.start * BLOCK;
+            let last = tool.vertices.len().min(inside.end * BLOCK);
+            let passed = |around: Option<Around>, k: usize| {
+                around.is_some_and(|around| tool.is_passed(k, around, reach.margin_m))
             };
-            let at = self
-                .corners
-                .partition_point(|held| held.depth_m >= corner.depth_m);
-            if self.corners.len() == MAX_CONTACTS {
-                complete = false;
-                if at == MAX_CONTACTS {
+            if below.is_out(&centre, radius_m) || (first..last).all(|k| passed(known, k)) {
+                continue;
+            }
+            let mut around = None;
+            if self.closed {
+                let foot = below.closest(&centre);
+                if foot.signed_distance > radius_m + reach.margin_m {
                     continue;
                 }
-                self.corners.pop();
+                if last - first <= MOST_AROUND {
+                    let seen = below.around(&centre, &foot, radius_m);
+                    around = Some(seen.map(|(p, gap_m)| (pose.inverse_transform_point(&p), gap_m)));
+                }
             }
-            self.corners.insert(at, corner);
+            if block.0 > 0 {
+                let within = tool.blocks.within(block);
+                self.blocks.extend(within.map(|block| (block, around)));
+                continue;
+            }
+            for k in first..last {
+                if !passed(around, k) && self.is_deepest(k, tool, pose, &mut below) {
+                    complete &= self.keep_corner(&(pose * tool.vertices[k]), &mut below);
+                }
+            }
         }
         if !complete {
             out.note_dropped();
         }
+    }
+
+    /// Depth of a vertex, m; −∞ where it is outside by more than the margin.
+    fn depth_of(&mut self, k: usize, tool: &MeshTool, pose: &Pose, below: &mut Below<'_>) -> f64 {
+        if self.depths[k].is_nan() {
+            self.asked.push(k as u32);
+            let p = pose * tool.vertices[k];
+            let gap_m = match below.is_out(&p, 0.0) {
+                true => f64::INFINITY,
+                false => below.reach.side() * below.closest(&p).signed_distance,
+            };
+            let within = gap_m <= below.reach.margin_m;
+            self.depths[k] = if within { -gap_m } else { f64::NEG_INFINITY };
+        }
+        self.depths[k]
+    }
+
+    /// A vertex is in touch and none beside it is deeper; of equals the first.
+    fn is_deepest(
+        &mut self,
+        k: usize,
+        tool: &MeshTool,
+        pose: &Pose,
+        below: &mut Below<'_>,
+    ) -> bool {
+        let here = self.depth_of(k, tool, pose, below);
+        here > f64::NEG_INFINITY
+            && tool.neighbours(k).iter().all(|&other| {
+                let other = other as usize;
+                let there = self.depth_of(other, tool, pose, below);
+                if other < k {
+                    here > there
+                } else {
+                    here >= there
+                }
+            })
+    }
+
+    /// Keeps the contact of a vertex; false when something found no room.
+    fn keep_corner(&mut self, p: &Point3, below: &mut Below<'_>) -> bool {
+        let foot = below.closest(p);
+        let Some(corner) = corner(&foot, p, below.reach.side(), self.closed) else {
+            return true;
+        };
+        let at = self
+            .corners
+            .partition_point(|held| held.depth_m >= corner.depth_m);
+        let full = self.corners.len() == MAX_CONTACTS;
+        if full && at == MAX_CONTACTS {
+            return false;
+        }
+        if full {
+            self.corners.pop();
+        }
+        self.corners.insert(at, corner);
+        !full
+    }
+}
+
+/// Two points, one out of the body and one into it, in the tool's frame, and their gaps, m.
+type Around = [(Point3, f64); 2];
+
+/// The body as vertices see it.
+struct Below<'a> {
+    body: SkinSide<'a>,
+    reach: &'a Reach,
+    /// Box outside of which nothing counts, m.
+    bounds: (Point3, Point3),
+    /// Of the body, m.
+    size_m: f64,
+}
+
+impl Below<'_> {
+    fn closest(&mut self, p: &Point3) -> ClosestPoint {
+        self.body.solver.closest(self.body.skin, p)
+    }
+
+    /// A ball is outside of the box.
+    fn is_out(&self, p: &Point3, radius_m: f64) -> bool {
+        let (low, high) = &self.bounds;
+        (0..3).any(|c| p[c] + radius_m < low[c] || p[c] - radius_m > high[c])
+    }
+
+    /// Two points on both sides of a ball, one out of the body and one into it, and their gaps, m: between these the
+    /// distance of all points of the ball is known well, as it changes by no more than the way.
+    fn around(&mut self, p: &Point3, foot: &ClosestPoint, radius_m: f64) -> [(Point3, f64); 2] {
+        let way = (p - foot.point) / foot.signed_distance;
+        let out = if foot.distance > FAR * self.size_m {
+            way
+        } else {
+            foot.normal
+        };
+        let far_m = (AWAY * radius_m).min(DEEP * self.size_m);
+        [far_m, -far_m].map(|far_m| {
+            let p = p + out * far_m;
+            (p, self.closest(&p).signed_distance)
+        })
     }
 }
 

@@ -1,5 +1,6 @@
 //! Facts about mesh tools: what is refused, distances by brute force, and contacts in closed form.
 
+use super::tree::Near;
 use super::{MeshError, MeshSolver, MeshTool};
 use crate::basis::testing::Random;
 use crate::contact::{ContactSet, Reach};
@@ -337,4 +338,107 @@ fn poses_that_are_not_finite_touch_nothing() {
         tool.signed_distance(&Point3::new(f64::NAN, 0.0, 0.0)).0,
         f64::INFINITY
     );
+}
+
+/// A ball with bumps and hollows, from waves of its directions.
+fn bumpy(radius: f64, n: usize, random: &mut Random) -> MeshTool {
+    let (mut points, triangles) = ball(1.0, n);
+    let waves: [Vector3; 3] = std::array::from_fn(|_| vector(random) * 6.0);
+    for p in &mut points {
+        let sum: f64 = waves.iter().map(|w| libm::sin(w.dot(&p.coords))).sum();
+        *p *= radius * (1.0 + 0.2 * sum);
+    }
+    MeshTool::new(&points, &triangles).unwrap()
+}
+
+/// A box with three lengths.
+fn cuboid(half: [f64; 3]) -> MeshTool {
+    let points = cube_points(1.0);
+    let scaled = |p: &Point3| Point3::from(p.coords.component_mul(&Vector3::from(half)));
+    MeshTool::new(&points.iter().map(scaled).collect::<Vec<_>>(), &CUBE).unwrap()
+}
+
+/// Solids with hollows, needles and slivers, of this size.
+fn solids(size: f64, random: &mut Random) -> Vec<MeshTool> {
+    vec![
+        bumpy(size, 9, random),
+        bumpy(size, 40, random),
+        cuboid([size, 0.9 * size, 1.2 * size]),
+        cuboid([0.01 * size, 0.02 * size, 2.0 * size]),
+        cuboid([size, size, 1e-4 * size]),
+    ]
+}
+
+#[test]
+fn distances_do_not_depend_on_what_was_asked_before() {
+    let mut random = Random(77);
+    for tool in solids(0.3, &mut random) {
+        let mut near = Near::default();
+        let mut p = Point3::origin();
+        for k in 0..2_000 {
+            // Strides from far to rounding.
+            p += vector(&mut random) * libm::pow(10.0, -f64::from(k % 17)) - p.coords * 0.05;
+            let (gap_m, out) = tool.signed_distance(&p);
+            let foot = tool.triangles.foot(&p, &mut near);
+            assert_eq!((foot.gap_m, foot.out), (gap_m, out), "{p:?}");
+            let brute = tool.triangles().iter().map(|t| {
+                let [a, b, c] = t.map(|k| tool.vertices()[k as usize]);
+                to_triangle(&p, &a, &b, &c)
+            });
+            let brute = brute.fold(f64::INFINITY, f64::min);
+            assert!((gap_m.abs() - brute).abs() <= 1e-15, "{gap_m} {brute}");
+        }
+    }
+}
+
+#[test]
+fn vertices_found_are_all_that_are_deeper_than_those_beside_them() {
+    let mut random = Random(78);
+    let reach = Reach {
+        margin_m: 1e-3,
+        ..Reach::TOUCH
+    };
+    for (name, net) in [("teardrop", 8), ("sphere", 8), ("torus", 20), ("sheet", 4)] {
+        let body = Skin::from(builtin(name, Some([net; 2]), None).unwrap());
+        let size = body.size_m();
+        let mut solver = SkinSolver::new(&body);
+        let tools = [0.05, 0.8].map(|share| solids(share * size, &mut random));
+        for tool in tools.iter().flatten() {
+            let mut mesh = MeshSolver::new(&body, tool);
+            for _ in 0..4 {
+                let place = body.point(random.float(0.0, 1.0), random.float(0.0, 1.0));
+                let shift = vector(&mut random) * (0.3 * tool.size_m());
+                let pose = Pose::from_parts((place.coords + shift).into(), random.rotation());
+                let solver = &mut solver;
+                let depths: Vec<f64> = (tool.vertices().iter())
+                    .map(|p| -solver.closest(&body, &(pose * p)).signed_distance)
+                    .collect();
+                let skin = &body;
+                let mut set = ContactSet::new();
+                mesh.contacts(
+                    SkinSide { skin, solver },
+                    tool,
+                    &pose,
+                    &reach,
+                    &[],
+                    &mut set,
+                );
+                let found: Vec<f64> = mesh.corners.iter().map(|c| c.depth_m).collect();
+                let mut known: Vec<f64> = (0..depths.len())
+                    .filter(|&k| depths[k] >= -reach.margin_m)
+                    .filter(|&k| {
+                        tool.neighbours(k)
+                            .iter()
+                            .all(|&n| depths[n as usize] < depths[k])
+                    })
+                    .map(|k| depths[k])
+                    .collect();
+                known.sort_by(|a, b| b.total_cmp(a));
+                // Behind a sheet only those straight below it count.
+                known.retain(|depth| body.is_closed() || *depth <= 0.0 || found.contains(depth));
+                known.truncate(crate::contact::MAX_CONTACTS);
+                assert_eq!(found, known, "{name} {tool:?}");
+            }
+        }
+    }
 }
