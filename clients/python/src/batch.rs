@@ -22,9 +22,8 @@ use pyo3::prelude::*;
 use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 use std::time::{Duration, Instant};
 
-/// Signals are looked for this often: between two ticks of all copies. A copy has all its ticks of a round at once, because
-/// what it needs of its body, some megabytes that others take from the cache, is read anew in the first. Of 48 soft copies with
-/// unlike bodies a tick takes 0.39 ms in rounds of one, 0.25 ms in rounds of many.
+/// Signals are looked for this often: between two ticks of all copies. A copy has all its ticks of a round at once: what it
+/// needs of its body, some megabytes that others take from the cache, is read anew in the first of them only.
 const ROUND: Duration = Duration::from_millis(100);
 
 /// A net of all copies that somebody looks at.
