@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Figures of the Python package on this machine: what it adds to the Rust crates that it wraps.
 
-python3 bench.py [--quick] [--hour FILE.mcap] [--only step,batch,closest,hour]
+python3 bench.py [--quick] [--hour FILE.mcap] [--only step,batch,vary,closest,hour]
 
 The Rust figures come from the same module: a run of many ticks inside one call, and closest points on one thread.
 ``--hour`` opens a recording of an hour; without it one is made from a minute of a recording, by the daemon, when
@@ -89,6 +89,41 @@ def batch(quick: bool) -> None:
         )
 
 
+def vary(quick: bool) -> None:
+    """Copies that differ: how long they take to make, and their rate beside that of one of them alone times the cores."""
+    cores = os.cpu_count() or 1
+    n, rounds = (4, 1) if quick else (64, 7)
+    teardrop = Path(__file__).resolve().parents[3] / "scenes" / "teardrop.toml"
+    for scene in (pp.Scene.load(teardrop), pp.Scene(SCENE)):
+        many, single = pp.Batch(scene, n), scene.simulate()
+        stiffness, young = np.geomspace(200.0, 2000.0, n), np.geomspace(1e4, 4e4, n)
+        coupled = best(rounds, lambda many=many, stiffness=stiffness: spent(  # type: ignore[misc]
+            lambda: many.vary("tool/ball/coupling/stiffness_n_m", stiffness)))  # fmt: skip
+        bodies = spent(lambda: many.vary("body/drop/material/young_pa", young))
+
+        def pressed(step: "Callable[[float], object]") -> None:
+            for x in np.linspace(0.05, 0.03, 5):
+                step(float(x))
+
+        def press_all(x: float, many: pp.Batch = many) -> None:
+            many.pose("ball")[:, :3] = (x, 0.003, 0.045)
+            many.step(10)
+
+        def press_one(x: float, single: pp.Simulation = single) -> None:
+            single.step({"ball": (x, 0.003, 0.045)}, 10)
+
+        taken: "dict[str, list[float]]" = {"all": [], "one": []}
+        for _ in range(rounds):
+            many.reset(), single.reset()
+            taken["all"].append(spent(lambda: pressed(press_all)))
+            taken["one"].append(spent(lambda: pressed(press_one)))
+        all, one = min(taken["all"]), min(taken["one"])
+        print(
+            f"vary, {scene.name}: {n} couplings {coupled / n * 1e3:.2f} ms a copy, {n} bodies {bodies / n * 1e3:.2f} ms a copy; "
+            f"50 ticks of all {all:.3f} s, of one {one:.4f} s ({n * one / all / cores:.2f} of {cores} cores)"
+        )
+
+
 def closest(quick: bool) -> None:
     """Closest points on arrays; one thread has what the Rust loop has to do, plus the result's rows."""
     count = 5_000 if quick else 100_000
@@ -137,14 +172,14 @@ def make_hour(path: Path, seconds: float) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description="Figures of the Python package.")
     parser.add_argument("--quick", action="store_true", help="small counts: to see that it runs, not to measure")
-    parser.add_argument("--only", default="step,batch,closest,hour")
+    parser.add_argument("--only", default="step,batch,vary,closest,hour")
     parser.add_argument("--hour", type=Path, help="a recording to open and read")
     parser.add_argument("--make-hour", type=Path, metavar="FILE", help="make such a recording first")
     parser.add_argument("--seconds", type=float, default=3600.0, help="of simulated time, with --make-hour")
     args = parser.parse_args()
     wanted = args.only.split(",")
     print(f"{pp.build_id()}, {os.cpu_count()} cores, Python {sys.version.split()[0]}, NumPy {np.__version__}")
-    for name, measure in (("step", step), ("batch", batch), ("closest", closest)):
+    for name, measure in (("step", step), ("batch", batch), ("vary", vary), ("closest", closest)):
         if name in wanted:
             measure(args.quick)
     if args.make_hour is not None:

@@ -39,6 +39,7 @@ from .errors import (
     SceneError,
     SceneWarning,
     SurfaceError,
+    SweepError,
     TrailingBytes,
     Truncated,
     UnknownCase,
@@ -80,6 +81,7 @@ _COMPILED = {
     "Snapshot": "_native",
     "Stream": "_client",
     "Surface": "_native",
+    "SweepTable": "_sweeps",
     "Ticks": "_recordings",
     "Tool": "_client",
     "Trace": "_scenes",
@@ -93,6 +95,7 @@ _COMPILED = {
     "open": "_recordings",
     "pipe": "_surfaces",
     "serve": "_daemon",
+    "sweep": "_sweeps",
     "to_html": "_notebook",
 }
 
@@ -136,6 +139,8 @@ if TYPE_CHECKING:
     from ._surfaces import isolate as isolate
     from ._surfaces import merge as merge
     from ._surfaces import pipe as pipe
+    from ._sweeps import SweepTable as SweepTable
+    from ._sweeps import sweep as sweep
 
 __all__ = [
     "MESSAGES",
@@ -159,6 +164,7 @@ __all__ = [
     "SceneError",
     "SceneWarning",
     "SurfaceError",
+    "SweepError",
     "TrailingBytes",
     "Truncated",
     "UnknownCase",
@@ -186,7 +192,7 @@ def __getattr__(name: str) -> Any:
     import importlib
 
     try:
-        if module in ("_client", "_daemon") or name == "to_html":
+        if module in ("_client", "_daemon", "_sweeps") or name == "to_html":
             # Only there with the feature `daemon`.
             importlib.import_module("palpate._native").Link  # noqa: B018
         value = getattr(importlib.import_module(f"palpate.{module}"), name)

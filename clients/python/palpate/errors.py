@@ -39,6 +39,10 @@ class SurfaceError(PalpateError, ValueError):
     """A surface, curve or surface file that cannot be used, or an operation that has no answer."""
 
 
+class SweepError(PalpateError, ValueError):
+    """A sweep that cannot be run, or whose runs did not all come back. What goes wrong in a run is in its row."""
+
+
 class BusyError(PalpateError, RuntimeError):
     """A simulation or batch that another thread is stepping."""
 

@@ -11,7 +11,7 @@ use crate::errors::{busy, internal};
 use crate::output::push_contact;
 use crate::pose::{Pose, of_numbers};
 use crate::scene::Scene;
-use crate::ticks::{INTERRUPTS, Loop, advance};
+use crate::ticks::{Loop, advance};
 use crate::values::{is_watched, structured};
 use crate::vary::Varied;
 use numpy::{PyArray1, PyArrayDyn, PyArrayMethods};
@@ -21,6 +21,10 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 use std::time::{Duration, Instant};
+
+/// Signals are looked for this often: between two ticks of all copies. A copy has all its ticks of a round at once: what it
+/// needs of its body, some megabytes that others take from the cache, is read anew in the first of them only.
+const ROUND: Duration = Duration::from_millis(100);
 
 /// A net of all copies that somebody looks at.
 struct NetView {
@@ -247,7 +251,7 @@ impl Batch {
         let (mut done, mut interrupted) = (0, Ok(()));
         while done < ticks && interrupted.is_ok() {
             let fit = inner.tick_time.map_or(1, |time| {
-                (INTERRUPTS.as_nanos() / time.as_nanos().max(1)) as usize
+                (ROUND.as_nanos() / time.as_nanos().max(1)) as usize
             });
             let round = fit.clamp(1, ticks - done);
             let begun = Instant::now();

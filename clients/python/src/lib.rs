@@ -3,7 +3,7 @@
 //! ```text
 //! errors, values, watched ─▶ pose ─▶ scene ─▶ output ─▶ ticks ─▶ snapshot ─▶ sim
 //!                                                        └────▶ arrays, vary ─▶ batch
-//! closest ─▶ surface ─▶ modeling, part;   columns ─▶ recording;   client ─▶ device;   command
+//! closest ─▶ surface ─▶ modeling, part;   columns ─▶ recording;   client ─▶ device;   sweep;   command
 //! ```
 //! Classes hold the crates' own types and convert arguments and results; what they compute is what
 //! the daemon computes. Everything that takes longer than some microseconds releases the GIL. Names
@@ -30,6 +30,8 @@ mod scene;
 mod sim;
 mod snapshot;
 mod surface;
+#[cfg(feature = "daemon")]
+mod sweep;
 mod ticks;
 mod values;
 mod vary;
@@ -70,4 +72,7 @@ mod native {
     use super::snapshot::Snapshot;
     #[pymodule_export]
     use super::surface::Surface;
+    #[cfg(feature = "daemon")]
+    #[pymodule_export]
+    use super::sweep::{Sweep, SweepRows};
 }

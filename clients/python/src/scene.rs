@@ -233,7 +233,7 @@ impl Scene {
 }
 
 /// Reads and builds text.
-pub fn built_from(text: &str, name: &str, directory: &Path, dictionary: bool) -> PyResult<Built> {
+fn built_from(text: &str, name: &str, directory: &Path, dictionary: bool) -> PyResult<Built> {
     let shown = dictionary.then_some(text);
     let loaded = file::parse(text, name, directory).map_err(|error| scene_error(&error, shown))?;
     Built::of(&loaded.with(palpate_thesis::METHODS), dictionary)

@@ -10,7 +10,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 /// Signals are looked for this often while ticks run.
-pub const INTERRUPTS: Duration = Duration::from_millis(20);
+const INTERRUPTS: Duration = Duration::from_millis(20);
 
 /// State of a simulation and what its ticks need.
 pub struct Loop {

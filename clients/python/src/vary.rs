@@ -1,11 +1,10 @@
 //! Values of a scene that differ from copy to copy.
 
 use crate::built::Built;
-use crate::errors::internal;
+use crate::errors::{internal, scene_error};
 use crate::overrides::set_value;
-use crate::scene::built_from;
 use crate::values::toml_value;
-use palpate_sim::scene::Scene;
+use palpate_sim::scene::{Scene, file};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::collections::BTreeMap;
@@ -66,7 +65,7 @@ impl Varied {
         numbers
             .iter()
             .for_each(|(text, number)| distinct[*number] = text);
-        let scenes = py.detach(|| build_all(&distinct, &built.scene.name, workers));
+        let scenes = py.detach(|| build_all(&distinct, &built.scene, workers));
         let scenes: Vec<Arc<Scene>> = scenes.into_iter().collect::<PyResult<_>>()?;
         for scene in &scenes {
             let alike = scene.body_count() == built.scene.body_count()
@@ -95,7 +94,16 @@ fn wrong_count(path: &str, n: usize, given: usize) -> PyErr {
     ))
 }
 
-fn build_all(texts: &[&str], name: &str, workers: usize) -> Vec<PyResult<Arc<Scene>>> {
+/// A scene that shares with this one what is equal in both.
+fn variant(text: &str, scene: &Scene) -> PyResult<Scene> {
+    let refuse = |error| scene_error(&error, Some(text));
+    let loaded = file::parse(text, &scene.name, Path::new(".")).map_err(refuse)?;
+    scene
+        .variant_to_run(&loaded.spec, &loaded.directory)
+        .map_err(|error| refuse(loaded.locate(error)))
+}
+
+fn build_all(texts: &[&str], base: &Scene, workers: usize) -> Vec<PyResult<Arc<Scene>>> {
     let results: Vec<Mutex<Option<PyResult<Arc<Scene>>>>> =
         texts.iter().map(|_| Mutex::new(None)).collect();
     let queue = Mutex::new(texts.iter().zip(&results));
@@ -104,7 +112,7 @@ fn build_all(texts: &[&str], name: &str, workers: usize) -> Vec<PyResult<Arc<Sce
             loop {
                 let next = queue.lock().ok().and_then(|mut queue| queue.next());
                 let Some((text, result)) = next else { return };
-                let scene = built_from(text, name, Path::new("."), true).map(|built| built.scene);
+                let scene = variant(text, base).map(Arc::new);
                 if let Ok(mut result) = result.lock() {
                     *result = Some(scene);
                 }

@@ -111,8 +111,16 @@ def test_varied_copies_are_scenes_of_their_own(soft_scene: pp.Scene) -> None:
     force = np.linalg.norm(batch.force("ball"), axis=1)
     assert force[0] < force[1] < force[3]
     # A second value leaves the first; a bad one changes nothing.
-    batch.vary("tool/ball/coupling/stiffness_n_m", [100, 200, 300, 400])
+    stiffness = [100, 200, 300, 400]
+    batch.vary("tool/ball/coupling/stiffness_n_m", stiffness)
+    for place in press(200):
+        batch.pose("ball")[:, :3] = place
+        batch.step()
     before = batch.hash()
+    for k in range(4):
+        values = {"body/drop/material/young_pa": young[k], "tool/ball/coupling/stiffness_n_m": stiffness[k]}
+        assert soft_scene.varied(values).simulate().run({"ball": press(200)}).hash[-1] == before[k]
+    assert len(set(before.tolist())) == 4
     with pytest.raises(pp.SceneError, match="young_pa"):
         batch.vary("body/drop/material/young_pa", [1e4, -1.0, 1e4, 1e4])
     with pytest.raises(ValueError, match="3 values for 4 copies"):

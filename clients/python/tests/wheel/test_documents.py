@@ -80,6 +80,7 @@ RUNS: "dict[str, tuple[list[str], list[str], str]]" = {
     # Arguments, packages, and what the last line says.
     "press_and_plot.py": (["--ticks", "300", "-o", "press.svg"], ["matplotlib"], r"peak force [\d.]+ N at [\d.]+ mm"),
     "stiffness_map.py": (["--grid", "4", "-o", "map.csv"], [], r"stiffest [\d.]+ N/m, softest [\d.]+ N/m"),
+    "sweep_map.py": (["--quick"], [], r"same table from all: True"),
     "sweep.py": (["--count", "3", "--ticks", "120"], [], r"force grows with E: True"),
     "gym_random.py": (["--steps", "12"], ["gymnasium"], r"12 steps, mean reward -[\d.]+, same again: True"),
     "client_test.py": ([], ["pytest"], r"2 passed"),

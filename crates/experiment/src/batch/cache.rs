@@ -44,6 +44,11 @@ impl Cache {
         Some(Self::at(caches.join("palpate/batch")))
     }
 
+    /// The folder.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
     fn path(&self, key: &str) -> PathBuf {
         self.folder.join(&key[..2]).join(format!("{key}.json"))
     }

@@ -2,14 +2,17 @@
 
 use super::asked::Asked;
 use super::error::BatchError;
+use super::files::{FileBytes, Folder, Kept};
 use super::spec::{HandSpec, MotionSpec, Seeds, SweepSpec, Varied};
 use crate::scenario::{SCENES, change};
 use palpate_client::device::{DeviceModel, Hand, Kind};
 use palpate_proto::text::located;
 use palpate_sim::scene::file::{self, Loaded};
+use palpate_sim::scene::inline_files;
 use palpate_sim::scene::spec::Clock;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use toml::Value;
 
 /// Most runs of a sweep.
@@ -48,6 +51,7 @@ pub struct Plan {
     scene: toml::Table,
     scene_name: String,
     directory: PathBuf,
+    files: Arc<Kept>,
     varied: Vec<Varied>,
     random: Option<super::spec::RandomSpec>,
     seeds: Seeds,
@@ -60,7 +64,12 @@ pub struct Plan {
 }
 
 impl Plan {
-    pub(super) fn new(spec: SweepSpec, name: &str, directory: &Path) -> Result<Self, BatchError> {
+    pub(super) fn new(
+        spec: SweepSpec,
+        name: &str,
+        directory: &Path,
+        files: Kept,
+    ) -> Result<Self, BatchError> {
         let wrong = |key: &str, reason: String| BatchError::Key {
             sweep: name.to_owned(),
             key: key.to_owned(),
@@ -93,16 +102,18 @@ impl Plan {
             let reason = format!("{all} runs; from 1 to {MOST_RUNS}: values × motions × seeds");
             return Err(wrong("vary", reason));
         };
-        let (text, directory, scene_name) = scene_text(&spec.scene, directory)?;
+        let (text, inside, scene_name) = scene_text(&spec.scene, directory, &files)?;
         let mut scene: toml::Table = toml::from_str(&text)
             .map_err(|error| wrong("scene", located(&text, error.span(), error.message())))?;
         for (key, value) in &spec.set {
             change::set(&mut scene, key, value)
                 .map_err(|reason| wrong(&format!("set.{key:?}"), reason))?;
         }
+        // The name of a motion, device or hand, or else a file.
+        let read = |name: &str| read_text(&directory.join(name), &files);
         let mut motions = Vec::new();
         for motion in &spec.motions {
-            motions.push((motion.name.clone(), hands(motion, &wrong, &directory)?));
+            motions.push((motion.name.clone(), hands(motion, &wrong, &read)?));
         }
         let names = spec.motions.iter().map(|motion| &motion.name);
         if let Some(twice) =
@@ -113,7 +124,8 @@ impl Plan {
         let plan = Self {
             scene,
             scene_name,
-            directory,
+            directory: inside,
+            files: Arc::new(files),
             varied,
             random: spec.random,
             seeds: spec.seeds,
@@ -219,6 +231,33 @@ impl Plan {
         loaded.methods = palpate_thesis::METHODS;
         Ok(loaded)
     }
+
+    /// The files that scenes name.
+    pub(super) fn scene_files(&self) -> Folder<'_> {
+        Folder {
+            kept: &self.files,
+            path: &self.directory,
+        }
+    }
+
+    /// All files that the runs read: only words in the scene name one.
+    pub(super) fn files(&self) -> FileBytes {
+        let mut seen = BTreeSet::new();
+        for sample in 0..self.samples {
+            let case = self.case(sample * self.motions.len() * self.seeds.count());
+            let words = case.values.iter().map(|value| match value {
+                Value::Integer(_) | Value::Float(_) | Value::Boolean(_) => String::new(),
+                words => words.to_string(),
+            });
+            if seen.insert(words.collect::<Vec<_>>())
+                && let Ok(loaded) = self.scene_of(&case)
+            {
+                // What cannot be read is kept as that, and is in the row of its run.
+                let _ = inline_files(&loaded.spec, self.scene_files());
+            }
+        }
+        self.files.all()
+    }
 }
 
 /// Why the scene of a run does not read.
@@ -237,7 +276,11 @@ impl std::fmt::Display for Unread {
 }
 
 /// Text of the scene, where its paths start, and its name.
-fn scene_text(scene: &str, directory: &Path) -> Result<(String, PathBuf, String), BatchError> {
+fn scene_text(
+    scene: &str,
+    directory: &Path,
+    files: &Kept,
+) -> Result<(String, PathBuf, String), BatchError> {
     if let Some(name) = scene.strip_prefix("builtin:") {
         let Some((_, text)) = SCENES.iter().find(|(known, _)| *known == name) else {
             let known = SCENES.map(|(known, _)| known).join(", ");
@@ -253,26 +296,27 @@ fn scene_text(scene: &str, directory: &Path) -> Result<(String, PathBuf, String)
         ));
     }
     let path = directory.join(scene);
-    let text = std::fs::read_to_string(&path).map_err(|error| BatchError::file(&path, error))?;
+    let text = read_text(&path, files)?;
     let inside = path.parent().unwrap_or(Path::new(".")).to_owned();
     Ok((text, inside, path.display().to_string()))
+}
+
+fn read_text(path: &Path, files: &Kept) -> Result<String, BatchError> {
+    files
+        .text(path)
+        .map_err(|error| BatchError::file(path, error))
 }
 
 /// Checks the hands of a motion and reads their files.
 fn hands(
     motion: &MotionSpec,
     wrong: &dyn Fn(&str, String) -> BatchError,
-    directory: &Path,
+    read: &dyn Fn(&str) -> Result<String, BatchError>,
 ) -> Result<BTreeMap<String, HandPlan>, BatchError> {
     let mut hands = BTreeMap::new();
     for (tool, spec) in &motion.hands {
         let key = format!("motion {:?}: hands.{tool}", motion.name);
         let wrong = |reason: String| wrong(&key, reason);
-        // A name of a motion, device or hand, or else a file.
-        let read = |name: &str| {
-            let path = directory.join(name);
-            std::fs::read_to_string(&path).map_err(|error| BatchError::file(&path, error))
-        };
         let is_file = |name: &str| name.ends_with(".toml");
         let text = match is_file(&spec.motion) {
             true => Some(read(&spec.motion)?),

@@ -3,6 +3,7 @@
 use super::asked::Asked;
 use super::cache::Cache;
 use super::plan::{Case, HandPlan, Plan};
+use super::table::Row;
 use palpate_client::device::servo::Servo;
 use palpate_client::device::{Motion, Network, PassivitySettings, SimulatedDevice};
 use palpate_proto::messages::{SceneSnapshot, ToolPose};
@@ -25,18 +26,28 @@ pub struct ToolFigures {
     /// Its id.
     pub tool: String,
     /// Greatest force for its device, N.
+    #[serde(deserialize_with = "or_nan")]
     pub peak_force_n: f64,
     /// When, s.
+    #[serde(deserialize_with = "or_nan")]
     pub peak_force_s: f64,
     /// Deepest contact of the device's tool, m.
+    #[serde(deserialize_with = "or_nan")]
     pub peak_depth_m: f64,
     /// Net work of the device on the loop by the end, J.
+    #[serde(deserialize_with = "or_nan")]
     pub energy_j: f64,
     /// Most that the loop had made at any time, J.
+    #[serde(deserialize_with = "or_nan")]
     pub made_j: f64,
     /// Columns that the sweep asks for; none where no tick had it.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub asked: Vec<Option<f64>>,
+}
+
+/// JSON writes numbers that are not finite as nothing.
+fn or_nan<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(deserializer)?.unwrap_or(f64::NAN))
 }
 
 /// What a run came to.
@@ -70,36 +81,47 @@ struct Prepared {
     built: Option<Result<Arc<Scene>, String>>,
 }
 
-/// Plays runs of a plan, one after the other.
-pub(super) struct Player<'p> {
-    plan: &'p Plan,
+/// Makes runs of a sweep, one after the other.
+pub struct Player {
+    plan: Arc<Plan>,
     /// The scene of the last sample: runs of one follow each other.
     prepared: Option<(usize, Result<Prepared, String>)>,
+    /// The scene that was built last: the next shares what is equal.
+    last: Option<Arc<Scene>>,
 }
 
-impl<'p> Player<'p> {
-    pub fn new(plan: &'p Plan) -> Self {
+impl Player {
+    pub(super) fn new(plan: Arc<Plan>) -> Self {
         Self {
             plan,
             prepared: None,
+            last: None,
         }
     }
 
-    /// What a run comes to, and whether it was known. It never fails: what goes wrong is in it.
-    pub fn outcome(&mut self, case: &Case, cache: Option<&Cache>) -> (Outcome, bool) {
-        let done = catch_unwind(AssertUnwindSafe(|| self.try_outcome(case, cache)));
-        done.unwrap_or_else(|panic| {
+    /// The run of this number and what it comes to, and whether it was known. It never fails: what goes wrong is in it.
+    pub fn row(&mut self, run: usize, cache: Option<&Cache>) -> (Row, bool) {
+        let case = self.plan.case(run);
+        let done = catch_unwind(AssertUnwindSafe(|| self.try_outcome(&case, cache)));
+        let (outcome, was_known) = done.unwrap_or_else(|panic| {
             self.prepared = None;
             let words = panic.downcast_ref::<String>().map(String::as_str);
             let words = words.or_else(|| panic.downcast_ref::<&str>().copied());
             let error = format!("panicked: {}", words.unwrap_or("no reason given"));
             (Outcome::failed(error, String::new()), false)
-        })
+        });
+        (Row { case, outcome }, was_known)
+    }
+
+    /// True if the scene of a run is that of the run before: it need not be built again.
+    pub fn has_scene_of(&self, run: usize) -> bool {
+        let sample = self.plan.case(run).sample;
+        (self.prepared.as_ref()).is_some_and(|(prepared, _)| *prepared == sample)
     }
 
     fn try_outcome(&mut self, case: &Case, cache: Option<&Cache>) -> (Outcome, bool) {
         if self.prepared.as_ref().map(|(sample, _)| *sample) != Some(case.sample) {
-            self.prepared = Some((case.sample, prepare(self.plan, case)));
+            self.prepared = Some((case.sample, prepare(&self.plan, case)));
         }
         let Some((_, Ok(prepared))) = &mut self.prepared else {
             let reason = match &self.prepared {
@@ -109,15 +131,20 @@ impl<'p> Player<'p> {
             return (Outcome::failed(reason, String::new()), false);
         };
         let hands = &self.plan.motions[case.motion].1;
-        let key = key(prepared, hands, case.seed, self.plan);
+        let key = key(prepared, hands, case.seed, &self.plan);
         if let Some(outcome) = cache.and_then(|cache| cache.get(&key)) {
             return (outcome, true);
         }
         let begun = Instant::now();
         let loaded = &prepared.loaded;
-        let sample = case.sample;
+        let (sample, plan, last) = (case.sample, &self.plan, &self.last);
         let build = || {
-            let scene = loaded.build_to_run().map_err(|e| e.to_string())?;
+            let (spec, files) = (&loaded.spec, plan.scene_files());
+            let scene = match last {
+                Some(last) => last.variant_to_run(spec, files),
+                None => Scene::build_to_run_with(spec, files, loaded.methods),
+            };
+            let scene = scene.map_err(|error| loaded.locate(error).to_string())?;
             // What is found about one sample holds for most.
             for finding in scene.warnings().iter().filter(|_| sample == 0) {
                 tracing::warn!(sample, "{}", loaded.message(finding));
@@ -128,8 +155,9 @@ impl<'p> Player<'p> {
             Ok(scene) => scene.clone(),
             Err(error) => return (Outcome::failed(error.clone(), key), false),
         };
+        self.last = Some(scene.clone());
         let mut outcome = match Hands::new(&scene, hands, case.seed) {
-            Ok(hands) => play(&scene, hands, self.plan),
+            Ok(hands) => play(&scene, hands, plan),
             Err(error) => Outcome::failed(error, String::new()),
         };
         outcome.key = key;
@@ -156,13 +184,19 @@ impl Outcome {
 
 fn prepare(plan: &Plan, case: &Case) -> Result<Prepared, String> {
     let loaded = plan.scene_of(case).map_err(|error| error.to_string())?;
-    let effective = inline_files(&loaded.spec, &loaded.directory).map_err(|e| e.to_string())?;
+    let effective = inline_files(&loaded.spec, plan.scene_files()).map_err(|e| e.to_string())?;
     let effective = toml::to_string(&effective).map_err(|error| error.to_string())?;
     Ok(Prepared {
         loaded,
         effective,
         built: None,
     })
+}
+
+/// What this program was built from and by: the same give the same outcomes.
+pub fn build() -> [String; 4] {
+    use palpate_record::{RUN_SOURCE, RUSTC, TARGET, build_id};
+    [RUN_SOURCE.into(), TARGET.into(), RUSTC.into(), build_id()]
 }
 
 type HandPlans = std::collections::BTreeMap<String, HandPlan>;
@@ -175,10 +209,7 @@ fn key(prepared: &Prepared, hands: &HandPlans, seed: u64, plan: &Plan) -> String
         sha.update(text.as_bytes());
     };
     let json = |value: Result<String, serde_json::Error>| value.unwrap_or_default();
-    add(palpate_record::RUN_SOURCE);
-    add(palpate_record::TARGET);
-    add(palpate_record::RUSTC);
-    add(&palpate_record::build_id());
+    build().iter().for_each(|part| add(part));
     add(&prepared.effective);
     for (tool, hand) in hands {
         add(tool);

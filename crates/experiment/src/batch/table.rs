@@ -46,10 +46,14 @@ impl Format {
 
 /// Cells of a column, one per run; `None` where there is nothing.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Cells {
+pub enum Cells {
+    /// Whole numbers.
     Whole(Vec<Option<i64>>),
+    /// Numbers with a point; those that are not finite are written as nothing.
     Number(Vec<Option<f64>>),
+    /// Yes or no.
     Truth(Vec<Option<bool>>),
+    /// Text.
     Text(Vec<Option<String>>),
 }
 
@@ -148,6 +152,11 @@ impl Table {
             table.add("wall_s", figure(&|outcome| Some(outcome.wall_s)));
         }
         table
+    }
+
+    /// Columns by name, in their order.
+    pub fn columns(&self) -> &[(String, Cells)] {
+        &self.columns
     }
 
     /// Rows.

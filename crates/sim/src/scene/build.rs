@@ -53,6 +53,35 @@ impl Scene {
         Self::build_from(spec, &files, methods, &[])
     }
 
+    /// [`Scene::build_to_run`] of a scene that differs from this one: deforming bodies of which nothing differs are shared.
+    /// `files` are those that this one was built from.
+    ///
+    /// # Errors
+    /// As [`Scene::build_to_run`].
+    pub fn variant_to_run(&self, spec: &SceneSpec, files: impl Files) -> Result<Self, SceneError> {
+        let comes_out = |spec: &SceneSpec| {
+            let tools = spec.tools.iter();
+            let tools = tools.map(|tool| {
+                let shape = (tool.shape.clone(), tool.pose.clone());
+                (tool.id.clone(), shape, tool.fixes_nodes)
+            });
+            let tools: Vec<_> = tools.collect();
+            (spec.loop_.rate_hz, spec.gravity.frame.clone(), tools)
+        };
+        let alike = comes_out(spec) == comes_out(&self.spec);
+        let pairs = spec.bodies.iter().zip(&self.spec.bodies);
+        let ready: Vec<Option<Arc<Body>>> = (pairs.zip(&self.bodies))
+            .map(|((new, old), body)| (alike && new == old && body.is_soft()).then(|| body.clone()))
+            .collect();
+        let mut scene = Self::build_from(spec, &files, self.methods, &ready)?;
+        for b in (0..ready.len()).filter(|&b| ready[b].is_some()) {
+            let of_body = format!("body[{b}].");
+            let notes = self.notes.iter().cloned();
+            (scene.notes).extend(notes.filter(|(path, _)| path.starts_with(&of_body)));
+        }
+        scene.checked_to_run()
+    }
+
     /// [`Scene::build_with`], with bodies that are ready, by index.
     pub(super) fn build_from(
         spec: &SceneSpec,
