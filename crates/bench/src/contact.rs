@@ -39,6 +39,21 @@ const MESHES: [(&str, [usize; 2], bool); 4] = [
 ];
 /// Shares of a flat patch in touch, in percent.
 const AREAS: [u32; 5] = [1, 5, 25, 50, 100];
+/// Functions within 20 mm of the origin: two with kinks, and one without.
+const FUNCTIONS: [(&str, &str); 3] = [
+    (
+        "box",
+        "max(abs(x) - 0.0115, abs(y) - 0.0115, abs(z) - 0.0115)",
+    ),
+    (
+        "lens",
+        "max(hypot(hypot(x, y), z - 0.0102) - 0.0225, hypot(hypot(x, y), z + 0.0102) - 0.0225)",
+    ),
+    (
+        "smooth-union",
+        "-0.001*ln(exp((0.01 - hypot(hypot(x, y), z - 0.01))/0.001) + exp((0.01 - hypot(hypot(x, y), z + 0.01))/0.001))",
+    ),
+];
 /// Radius of the ball, m; the bodies are about 0.1 m long.
 const RADIUS_M: f64 = 0.01;
 
@@ -67,6 +82,12 @@ pub fn contact(effort: Effort, cases: Cases<'_>, out: &mut dyn FnMut(Row)) {
         let case = format!("implicit/{count}x{count}");
         if wanted(&case) {
             suite.implicit(&case, &body(count));
+        }
+        for (name, text) in FUNCTIONS {
+            let case = format!("implicit/{count}x{count}/{name}");
+            if wanted(&case) {
+                suite.function(&case, &body(count), text);
+            }
         }
         for (name, cells, warm) in MESHES {
             let case = format!("mesh/{count}x{count}{name}");

@@ -1,19 +1,50 @@
 //! Cases of one surface and a tool of another kind.
 
-use super::inputs::{near, planes, poses, slide, solid_torus, tool};
+use super::inputs::{TOOL_RADIUS_M, near, planes, poses, slide, solid_torus, tool};
 use super::methods::{Mesh, ball_mesh};
 use super::{Known, RESOLUTIONS, Suite, oracle};
 use crate::inputs::{Random, walk};
 use crate::measure::clocked;
 use crate::oracle::Oracle;
+use palpate_geometry::contact::dispatch::{Method, Narrow, Party};
 use palpate_geometry::contact::exact::{self, ExactScratch};
-use palpate_geometry::contact::implicit::ImplicitSolver;
+use palpate_geometry::contact::implicit::{ImplicitShape, ImplicitSolver, ImplicitTool};
 use palpate_geometry::contact::mesh::MeshSolver;
-use palpate_geometry::contact::{ContactSet, Reach};
+use palpate_geometry::contact::{ContactSet, Reach, ToolShape};
 use palpate_geometry::math::{Point3, Vector3};
 use palpate_geometry::skin::{Skin, SkinSide, SkinSolver};
 use palpate_geometry::surface::{ClosestSolver, Surface, WarmFoot};
 use palpate_thesis::spheres::Solid;
+
+/// The depth next to the one that is known. Corners and edges of a tool inside the body are contacts too, and may be deeper
+/// than any point of the surface, which is what the oracle knows.
+fn next_to_known(known: &Known, k: usize, set: &ContactSet) -> Option<f64> {
+    let mut depths = known.depths.iter();
+    let wanted = depths
+        .find(|known| known.0 == k)
+        .map_or(0.0, |known| known.1);
+    let miss = |depth: &f64| (depth - wanted).abs();
+    let depths = set.contacts().iter().map(|c| c.depth_m);
+    depths.min_by(|a, b| miss(a).total_cmp(&miss(b)))
+}
+
+/// Depth of a point along the gradient of a function that grows on this way out, by bisection.
+fn depth_along(tool: &ImplicitTool, p: &Point3) -> f64 {
+    let (value, gradient) = tool.tape().gradient(p);
+    if value > 0.0 {
+        return -value / gradient.norm();
+    }
+    let out = gradient.normalize();
+    let (mut low, mut high) = (0.0, 4.0 * TOOL_RADIUS_M);
+    for _ in 0..50 {
+        let middle = 0.5 * (low + high);
+        match tool.tape().value(&(p + out * middle)) <= 0.0 {
+            true => low = middle,
+            false => high = middle,
+        }
+    }
+    low
+}
 
 impl Suite<'_> {
     pub(super) fn ball(
@@ -145,6 +176,43 @@ impl Suite<'_> {
         });
     }
 
+    /// A function whose edges are known, or that has none, asked for as a tick does.
+    pub(super) fn function(&mut self, case: &str, surface: &Surface, text: &str) {
+        let n = self.count(400);
+        let text = text.to_owned();
+        let tool = ImplicitShape::Expression { text }.compile();
+        let tool = tool
+            .expect("a function")
+            .with_edges_found(1.5 * TOOL_RADIUS_M);
+        let poses = poses(surface, n, 8e-3);
+        let mut oracle = oracle::Sampled::coarse(surface);
+        let known = Known::of(n, 4, |k| {
+            oracle.greatest(surface, |p| {
+                depth_along(&tool, &poses[k].inverse_transform_point(p))
+            })
+        });
+        let skin = Skin::from(surface.clone());
+        let mut solver = SkinSolver::new(&skin);
+        let shape = ToolShape::Implicit {
+            tool: Box::new(tool),
+            reach_m: None,
+        };
+        let pair = Narrow::new((&skin).into(), Party::Tool(&shape), Method::Exact);
+        let mut pair = pair.expect("functions touch surfaces");
+        let result = self.measure(&known, |k| {
+            let (time, ()) = clocked(|| {
+                solver.net_changed();
+                let body = SkinSide {
+                    skin: &skin,
+                    solver: &mut solver,
+                };
+                pair.contacts(&shape, &poses[k], body, Reach::TOUCH);
+            });
+            (time, next_to_known(&known, k, &pair.set))
+        });
+        self.report(case, "exact", false, &result);
+    }
+
     /// The tool is a triangle mesh of so many cells a piece; cold, also for the spheres, as a solid by its signed distance.
     pub(super) fn mesh(&mut self, case: &str, surface: &Surface, cells: [usize; 2], warm: bool) {
         let n = self.count(400);
@@ -178,15 +246,7 @@ impl Suite<'_> {
                     &mut set,
                 );
             });
-            // Corners of the mesh inside the body are contacts too, and may be deeper than any
-            // point of the surface, which is what the oracle knows.
-            let mut depths = known.depths.iter();
-            let wanted = depths
-                .find(|known| known.0 == k)
-                .map_or(0.0, |known| known.1);
-            let miss = |depth: &f64| (depth - wanted).abs();
-            let depths = set.contacts().iter().map(|c| c.depth_m);
-            (time, depths.min_by(|a, b| miss(a).total_cmp(&miss(b))))
+            (time, next_to_known(&known, k, &set))
         });
         self.report(case, "exact", false, &result);
         if warm {
