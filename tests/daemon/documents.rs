@@ -91,6 +91,7 @@ const KINDS: [(&str, &[&str]); 9] = [
             "needs=pandas",
             "needs=mcap_protobuf",
             "needs=pyarrow",
+            "needs=distributed",
         ],
     ),
     ("hex", &[""]), // proto/tests/golden.rs compares it with the golden bytes

@@ -13,8 +13,8 @@ pose.seq = 2n;
 // @ts-expect-error three numbers
 encode(ToolPose, { ...pose, position: [0, 0] });
 
-const named = decodeNamed(MESSAGES, "palpate.LoopStatus.v3", new Uint8Array());
-if (named.type === "palpate.LoopStatus.v3") {
+const named = decodeNamed(MESSAGES, "palpate.LoopStatus.v4", new Uint8Array());
+if (named.type === "palpate.LoopStatus.v4") {
   const state: "Running" | "Paused" | "Stopping" = named.value.state;
   void state;
 }

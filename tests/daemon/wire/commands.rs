@@ -40,12 +40,12 @@ fn echo_hz_ls_and_rpc_show_and_steer_a_running_daemon() {
     assert_eq!(code, 0, "{err}");
     let seen = lines(&out);
     assert_eq!(seen.len(), 2);
-    assert_eq!(seen[0]["type"], "palpate.LoopStatus.v3");
+    assert_eq!(seen[0]["type"], "palpate.LoopStatus.v4");
     assert_eq!(seen[0]["value"]["tools"][0]["bad_quaternion"], 0);
     assert_eq!(seen[0]["value"]["recorder"], "Off");
     let (out, _, _) = run(&["echo", "palpate/default/status", "--count", "1"]);
     assert!(
-        out.starts_with("palpate/default/status palpate.LoopStatus.v3 {"),
+        out.starts_with("palpate/default/status palpate.LoopStatus.v4 {"),
         "{out}"
     );
 
