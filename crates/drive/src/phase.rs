@@ -274,7 +274,8 @@ mod tests {
                 since.next().unwrap_or(deadline)
             };
             let latest = (self.pending.iter().zip(&waits_for))
-                .filter_map(|(poses, wanted)| wanted.then(|| since(poses)))
+                .filter(|(_, wanted)| **wanted)
+                .map(|(poses, _)| since(poses))
                 .max();
             let begins = latest.unwrap_or(deadline);
             let mut waits = Vec::new();

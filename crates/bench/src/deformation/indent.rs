@@ -290,7 +290,7 @@ pub(super) fn baseline_tick_row(case: &str) -> Option<Row> {
                 .saying(note),
         )
     });
-    Some(row.unwrap_or_else(|| failed(case, &"the process without AVX2 printed no times")))
+    Some(row.unwrap_or_else(|| failed(case, "the process without AVX2 printed no times")))
 }
 
 /// Pressed 0 to 3 mm deep and slid over.

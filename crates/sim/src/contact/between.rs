@@ -204,7 +204,7 @@ pub(super) fn bodies(search: &mut Search<'_>, p: usize, other: usize) {
         }),
     };
     // Rigid faces share what they bear.
-    let shares = warm.of_pair(p).any(|row| row.force_n > 0.0);
+    let shares = warm.of_pair(p).iter().any(|row| row.force_n > 0.0);
     meeting.push_feet(rows, contacts, warm.rows());
     if views.iter().all(Option::is_none) && rows.of_pair().len() > 1 {
         let regularization = if shares { EASE } else { bounce::TRACE };

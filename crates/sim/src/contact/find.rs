@@ -13,7 +13,6 @@ use super::feet::{MAX_FEET, ToolOnBody, Way, margin_m, meet, moving, push_foot, 
 use super::follow::{Follow, FollowedTool, push_feet};
 use super::manifold::{Placed, push_manifold};
 use super::search::{PairState, Search};
-use super::warm::WarmRow;
 use super::{bounce, grip, near_field, stick};
 use crate::haptics::LinkPhase;
 use crate::party::view;
@@ -111,12 +110,12 @@ pub(crate) fn find(search: &mut Search<'_>) {
 
 /// Keeps the rows of a pair that is left alone, and sees to it that they can be reported.
 fn keep(search: &mut Search<'_>, p: usize) {
-    let own = |row: &&WarmRow| row.id.pair as usize == p;
-    search.rest.rows.extend(search.warm.of_pair(p));
-    if search.rest.reported[p] {
+    let kept = search.warm.of_pair(p);
+    search.rest.rows.extend(kept);
+    let reported = std::mem::replace(&mut search.rest.reported[p], true);
+    if reported || kept.is_empty() {
         return;
     }
-    search.rest.reported[p] = true;
     let Holder::Body(other) = search.scene.pairs[p].holder else {
         return;
     };
@@ -126,8 +125,10 @@ fn keep(search: &mut Search<'_>, p: usize) {
     search.pairs[p] = before;
     let Search { rest, rows, .. } = search;
     for row in rows.of_pair() {
-        let mut kept = rest.rows.iter().filter(own);
-        let Some(kept) = kept.find(|kept| kept.id == row.id && kept.force_n > 0.0) else {
+        let Some(kept) = kept
+            .iter()
+            .find(|kept| kept.id == row.id && kept.force_n > 0.0)
+        else {
             continue;
         };
         let report = ContactReport {

@@ -35,7 +35,7 @@ pub(super) fn touch(search: &mut Search<'_>, p: usize, t: usize, pose: &Pose) {
         return;
     };
     let has_edges = shape.features().is_some();
-    let mut warm = (warm.of_pair(p))
+    let mut warm = (warm.of_pair(p).iter())
         .filter(|old| !old.id.key.is_anchor())
         .peekable();
     let (mut carried_n, mut force_n, mut deep_m) = (0.0, 0.0, 0.0_f64);

@@ -26,7 +26,7 @@ pub(crate) fn coefficient(pair: &Pair, p: usize, warm: &Warm) -> f64 {
     let Some(friction) = pair.friction else {
         return 0.0;
     };
-    if warm.of_pair(p).any(|row| row.slips) {
+    if warm.of_pair(p).iter().any(|row| row.slips) {
         friction.mu_kinetic
     } else {
         friction.mu

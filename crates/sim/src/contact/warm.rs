@@ -60,9 +60,12 @@ impl Warm {
     }
 
     /// Those of a pair.
-    pub fn of_pair(&self, pair: usize) -> impl Iterator<Item = &WarmRow> + Clone {
-        let own = move |row: &&WarmRow| row.id.pair as usize == pair;
-        self.rows().iter().filter(own)
+    pub fn of_pair(&self, pair: usize) -> &[WarmRow] {
+        let rows = self.rows();
+        let first = rows.partition_point(|row| (row.id.pair as usize) < pair);
+        let own = |row: &WarmRow| row.id.pair as usize == pair;
+        let count = rows[first..].partition_point(own);
+        &rows[first..first + count]
     }
 
     /// No rows, and no trace of them.

@@ -270,7 +270,7 @@ impl Balance<'_> {
     /// Part of its pair's drag that a row has: as much as it carried of the pair's force in the last
     /// tick.
     fn share_of_drag(&self, row: &Row, force_n: f64) -> f64 {
-        let warm = self.warm.of_pair(row.id.pair as usize);
+        let warm = self.warm.of_pair(row.id.pair as usize).iter();
         let whole: f64 = warm.map(|old| old.force_n.max(0.0)).sum();
         if whole > 0.0 {
             return force_n.max(0.0) / whole;
