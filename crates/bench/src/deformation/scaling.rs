@@ -57,7 +57,7 @@ const GROWTHS: [Growth; 6] = [
         sizes: &[1, 4, 16, 64],
         scene: at_rest,
         hands: |_, t| vec![[1e-4 * t, 0.0, 0.3]],
-        first: 1_500,
+        first: 3_000,
     },
     Growth {
         name: "net",
@@ -83,7 +83,7 @@ const GROWTHS: [Growth; 6] = [
         hands: |n, t| {
             let hand = |k: usize| {
                 let z = 0.035 + 0.02 * (k as f64 + 0.5) / n as f64;
-                [0.0205 + 0.004 * libm::exp(-t), 0.003, z]
+                [0.0245 + 0.004 * libm::exp(-t), 0.003, z]
             };
             (0..n).map(hand).collect()
         },
