@@ -83,7 +83,7 @@ const GROWTHS: [Growth; 6] = [
         hands: |n, t| {
             let hand = |k: usize| {
                 let z = 0.035 + 0.02 * (k as f64 + 0.5) / n as f64;
-                [0.0245 + 0.004 * libm::exp(-t), 0.003, z]
+                [0.0175 + 0.005 * libm::exp(-t), 0.003, z]
             };
             (0..n).map(hand).collect()
         },

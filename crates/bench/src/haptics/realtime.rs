@@ -94,6 +94,8 @@ const CLIENTS: [Client; 4] = [
 struct Loop {
     case: &'static str,
     scene: fn() -> String,
+    /// Where the balls first touch, along x, m.
+    touch_m: f64,
     rate_hz: u64,
     /// 99th percentile of the time from the latch to the end of a tick, s.
     tick_s: Option<f64>,
@@ -105,6 +107,7 @@ const LOOPS: [Loop; 4] = [
     Loop {
         case: "lateness/realtime",
         scene: || TEARDROP.to_owned(),
+        touch_m: 0.0274,
         rate_hz: 1_000,
         tick_s: None,
         force_s: Some([0.12e-3, 0.2e-3]),
@@ -112,6 +115,7 @@ const LOOPS: [Loop; 4] = [
     Loop {
         case: "rate/4000/rigid, 8 tools",
         scene: eight_tools,
+        touch_m: 0.0204,
         rate_hz: 4_000,
         tick_s: Some(0.2e-3),
         force_s: None,
@@ -119,6 +123,7 @@ const LOOPS: [Loop; 4] = [
     Loop {
         case: "rate/4000/teardrop, every = 4",
         scene: || at_4_khz("continuum"),
+        touch_m: 0.0274,
         rate_hz: 4_000,
         tick_s: Some(0.2e-3),
         force_s: None,
@@ -126,6 +131,7 @@ const LOOPS: [Loop; 4] = [
     Loop {
         case: "rate/4000/net, every = 4",
         scene: || at_4_khz("net"),
+        touch_m: 0.0274,
         rate_hz: 4_000,
         tick_s: Some(0.2e-3),
         force_s: None,
@@ -213,7 +219,7 @@ fn latency(client: &Client, seconds: u64) -> anyhow::Result<Vec<Figure>> {
 fn lateness(loop_: &Loop, seconds: u64) -> anyhow::Result<Vec<Figure>> {
     let ticks = seconds * loop_.rate_hz;
     let bare = bare_timer(ticks, 1_000_000_000 / loop_.rate_hz)?;
-    let report = loop_at_work(&(loop_.scene)(), ticks)?;
+    let report = loop_at_work(&(loop_.scene)(), loop_.touch_m, ticks)?;
     let share = |late: u64, of: u64| 1.0 - late as f64 / of.max(1) as f64;
     let us = |h: &Histogram, q: f64| h.quantile(q) as f64 * 1e-3;
     let StageHistograms { stages, whole } = &report.stages;
@@ -310,8 +316,8 @@ fn bare_timer(ticks: u64, period_ns: u64) -> anyhow::Result<BareTimer> {
         .map_err(|_| anyhow::anyhow!("the timer's thread panicked"))
 }
 
-/// A scene with its tools pressed 4 mm deep and let go, over and over.
-fn loop_at_work(text: &str, ticks: u64) -> anyhow::Result<DriverReport> {
+/// A scene with its tools pressed 0.2 to 3.7 mm deep, over and over.
+fn loop_at_work(text: &str, touch_m: f64, ticks: u64) -> anyhow::Result<DriverReport> {
     let loaded = file::parse(text, "scene.toml", Path::new("."))?;
     let scene = Arc::new(Scene::build(&loaded.spec, Path::new("."))?);
     let (tick_ports, mut bus_ports) = ports(&scene);
@@ -334,11 +340,13 @@ fn loop_at_work(text: &str, ticks: u64) -> anyhow::Result<DriverReport> {
     while !driver.is_finished() {
         std::thread::sleep(pause);
         seq += 1;
-        let share = 0.5 - 0.5 * libm::cos(seq as f64 * dt_s * 2.0);
+        let t = seq as f64 * dt_s;
+        let deep = 2e-4 + 3.5e-3 * (0.5 - 0.5 * libm::cos(2.0 * t));
+        let x = touch_m - deep + 0.01 * libm::exp(-10.0 * t);
         for (inbox, start) in bus_ports.poses.iter().zip(&starts) {
             let pose = DevicePose {
                 seq,
-                ..DevicePose::at_rest([0.04 - 0.014 * share, start[1], start[2]])
+                ..DevicePose::at_rest([x, start[1], start[2]])
             };
             inbox.offer(pose, SenderId::default());
         }
