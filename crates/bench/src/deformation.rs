@@ -49,6 +49,17 @@ pub fn trust(
     motion::trust::rows(effort, &|case| cases.has(case), out)
 }
 
+/// From pose to force over Zenoh, beside steps of solvers alone, of the box of which all engines have a
+/// reference. Each row is handed out as soon as it is measured.
+pub fn whole_loop(effort: Effort, cases: Cases<'_>, out: &mut dyn FnMut(Row)) {
+    let rows = [crate::suite::row_of("indent/12/x1", "*")];
+    deformation(effort, Cases::Rows(&rows), &mut |row| {
+        if cases.has(&row.case) {
+            out(row);
+        }
+    });
+}
+
 /// Runs cases of the suite. Each row is handed out as soon as
 /// it is measured. Gives what the plasticine did.
 pub fn deformation(effort: Effort, cases: Cases<'_>, out: &mut dyn FnMut(Row)) -> Vec<Sweep> {

@@ -31,7 +31,7 @@ pub use bars::{BarOptions, bars};
 pub use contact::{contact, picture};
 pub use deformation::{
     HardRow, Sweep, TrustRow, deformation, hard_cases, hard_table, latency_picture, pareto,
-    plasticine_picture, plasticine_table, scaling, trust, trust_picture, trust_table,
+    plasticine_picture, plasticine_table, scaling, trust, trust_picture, trust_table, whole_loop,
 };
 pub use documents::{DocumentOptions, documents};
 pub use faults::{FaultOptions, faults};

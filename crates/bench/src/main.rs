@@ -9,7 +9,7 @@ use palpate_bench::{
     contact, deformation, documents, faults, figures_table, haptics, hard_cases, hard_table,
     latency_picture, modeling, pareto, parts, parts_picture, picture, plasticine_picture,
     plasticine_table, record_until_killed, recording, relay, scaling, soak, subscribers, surface,
-    table, trust, trust_picture, trust_table, viewer,
+    table, trust, trust_picture, trust_table, viewer, whole_loop,
 };
 use std::io::Write;
 use std::process::ExitCode;
@@ -41,10 +41,6 @@ enum Suite {
         /// Write plots of time against force error and motion error to this SVG file.
         #[arg(long)]
         svg: Option<std::path::PathBuf>,
-        /// Write a plot of the time from pose to force against the force's error, of the box `indent/12/x1`,
-        /// to this SVG file.
-        #[arg(long)]
-        latency_svg: Option<std::path::PathBuf>,
         /// Write a plot of plasticine displacement over force and stiffness to this SVG file.
         #[arg(long)]
         plasticine_svg: Option<std::path::PathBuf>,
@@ -94,6 +90,14 @@ enum Suite {
     Soak(SoakOptions),
     /// Merge, isolate, pipe and branch: times, deviations, ratios, gaps and angles.
     Modeling(Options),
+    /// From pose to force over Zenoh, beside steps of other engines, of one pressed box.
+    Loop {
+        #[command(flatten)]
+        options: Options,
+        /// Write a plot of the time from pose to force against the force's error to this SVG file.
+        #[arg(long)]
+        svg: Option<std::path::PathBuf>,
+    },
     /// What a tick costs over tools, bodies, contacts, nodes, nets and faces, with fitted exponents.
     Scaling(Options),
     /// Closest points of parts from STEP files, their areas and volumes, against references; and a ball slid over
@@ -217,6 +221,11 @@ fn run(args: &Cli) -> anyhow::Result<ExitCode> {
         }
         Suite::Modeling(options) => drop(options.rows(modeling)?),
         Suite::Scaling(options) => drop(options.rows(scaling)?),
+        Suite::Loop { options, svg } => {
+            let (rows, ()) = options.rows(whole_loop)?;
+            say_what_is_left_out();
+            write(svg, || latency_picture(&rows))?;
+        }
         Suite::Parts {
             census: Some(folder),
             ..
@@ -232,7 +241,6 @@ fn run(args: &Cli) -> anyhow::Result<ExitCode> {
         Suite::Deformation {
             options,
             svg,
-            latency_svg,
             plasticine_svg,
         } => {
             let (rows, sweeps) = options.rows(deformation)?;
@@ -248,7 +256,6 @@ fn run(args: &Cli) -> anyhow::Result<ExitCode> {
             }
             say_what_is_left_out();
             write(svg, || pareto(&rows))?;
-            write(latency_svg, || latency_picture(&rows))?;
             write(plasticine_svg, || plasticine_picture(&sweeps))?;
         }
         Suite::Trust { options, svg } => {
