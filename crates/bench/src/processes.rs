@@ -1,5 +1,6 @@
 //! Daemons and devices in processes of their own, and the files that they read.
 
+use palpate_client::proto::messages::force_flags;
 use palpate_client::{Connect, Palpate, Tool, pose_at};
 use palpate_drive::pacer::{ask_privileges, now_ns, sleep_until};
 use std::net::TcpListener;
@@ -124,6 +125,7 @@ impl Servo {
         let run = move || {
             ask_privileges();
             let (mut times_s, mut force_n) = (Vec::with_capacity(count), 0.0);
+            let lost = force_flags::STALE | force_flags::WITHHELD;
             let mut due = now_ns();
             for k in 0..first + count {
                 due += every_ns;
@@ -132,6 +134,8 @@ impl Servo {
                 let seq = tool.send(pose_at(place(k)))?;
                 if let Some(force) = tool.wait_force(seq, Duration::from_millis(100)) {
                     force_n = force.force[2];
+                    let held = k < first || force.flags & lost == 0;
+                    anyhow::ensure!(held, "the tool's link was lost: this machine is too busy");
                     if k >= first {
                         times_s.push(sent.elapsed().as_secs_f64());
                     }
