@@ -4,7 +4,7 @@
 //! Files are written under another name and renamed: whoever shares the folder, or stops in the
 //! middle, sees whole ones. One that does not read is as one that is not there.
 
-use super::player::Outcome;
+use super::outcome::Outcome;
 use serde::{Deserialize, Serialize};
 use sha2::Digest as _;
 use std::path::{Path, PathBuf};

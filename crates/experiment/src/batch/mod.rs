@@ -10,6 +10,7 @@ mod asked;
 mod cache;
 mod error;
 mod files;
+mod outcome;
 mod parquet;
 mod plan;
 mod player;
@@ -19,8 +20,9 @@ mod table;
 pub use cache::Cache;
 pub use error::BatchError;
 pub use files::FileBytes;
+pub use outcome::Outcome;
 pub use plan::{Case, Plan};
-pub use player::{Outcome, Player, build};
+pub use player::{Player, build};
 pub use table::{Cells, Format, Row, Table};
 
 use files::Kept;
@@ -255,13 +257,13 @@ mod tests {
 
     #[test]
     fn outcomes_come_back_from_json_with_what_is_not_finite() {
-        let figures = player::ToolFigures {
+        let figures = outcome::ToolFigures {
             energy_j: f64::NAN,
             peak_force_n: 0.1 + 0.2,
-            ..player::ToolFigures::default()
+            ..outcome::ToolFigures::default()
         };
         let text = serde_json::to_string(&figures).unwrap();
-        let back: player::ToolFigures = serde_json::from_str(&text).unwrap();
+        let back: outcome::ToolFigures = serde_json::from_str(&text).unwrap();
         assert!(back.energy_j.is_nan() && back.peak_force_n.to_bits() == (0.1_f64 + 0.2).to_bits());
     }
 }

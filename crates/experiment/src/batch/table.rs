@@ -1,8 +1,8 @@
 //! Results as a table: a row per run, the same bits however the runs were made.
 
 use super::error::BatchError;
+use super::outcome::{Outcome, ToolFigures};
 use super::plan::{Case, Plan};
-use super::player::{Outcome, ToolFigures};
 use std::io::Write;
 use std::path::Path;
 use toml::Value;
