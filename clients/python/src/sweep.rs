@@ -76,7 +76,7 @@ impl Sweep {
         Ok(files)
     }
 
-    /// Runs.
+    /// Number of runs.
     #[getter]
     fn count(&self) -> usize {
         self.sweep.plan().count()

@@ -31,7 +31,7 @@ const SILENT_PERIODS: u64 = 100;
 
 /// Part of a period in which nearly all poses of a tool arrive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Arc {
+struct Cluster {
     /// Place in the period at which it ends, ns.
     end_ns: u64,
     length_ns: u64,
@@ -47,7 +47,7 @@ struct Arrivals {
     fresh: u32,
     last_ns: u64,
     /// None where poses come at any time of the period, or too few have come.
-    arc: Option<Arc>,
+    arc: Option<Cluster>,
 }
 
 impl Arrivals {
@@ -77,7 +77,7 @@ impl Arrivals {
 }
 
 /// The shortest arc of a circle that holds all places but one in [`OUTLIERS`].
-fn shortest_arc(places_ns: &[u32], period_ns: u64) -> Option<Arc> {
+fn shortest_arc(places_ns: &[u32], period_ns: u64) -> Option<Cluster> {
     let mut sorted = [0; SEEN];
     let sorted = &mut sorted[..places_ns.len()];
     sorted.copy_from_slice(places_ns);
@@ -86,7 +86,7 @@ fn shortest_arc(places_ns: &[u32], period_ns: u64) -> Option<Arc> {
     let arc = |first: usize| {
         let end_ns = u64::from(sorted[(first + inside - 1) % sorted.len()]);
         let length_ns = (end_ns + period_ns - u64::from(sorted[first])) % period_ns;
-        Arc { end_ns, length_ns }
+        Cluster { end_ns, length_ns }
     };
     (0..sorted.len()).map(arc).min_by_key(|arc| arc.length_ns)
 }

@@ -133,7 +133,7 @@ impl Suite<'_> {
         });
     }
 
-    /// The same that folds slowly, asked as a tick asks: for gaps and folds up to a small share of its size.
+    /// A sausage that folds slowly, with a query as a tick makes it: for gaps and folds up to a small share of the size.
     pub(super) fn folding_sausage(&mut self, case: &str) {
         let n = self.count(2_000);
         let belly_m = |k: usize| 0.0064 + 1.5e-4 * k as f64 / n as f64;

@@ -19,7 +19,7 @@ pub(super) struct BallTree {
 pub(super) type Node = (usize, usize);
 
 impl BallTree {
-    /// Of some balls; of none there is no root.
+    /// The tree of a list of balls; an empty list gives a tree without a root.
     pub fn new(balls: impl Iterator<Item = Ball>) -> Self {
         let mut levels = vec![balls.collect::<Vec<_>>()];
         let mut each = 1;

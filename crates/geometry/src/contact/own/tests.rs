@@ -336,7 +336,7 @@ fn a_surface_winds_around_points_as_often_as_its_solid_angle_says() {
     assert!(seen.iter().all(|&n| n > 3), "{seen:?}");
 }
 
-// As near as folds and walls are told apart.
+// Distance to the surface at which the winding number still distinguishes a fold from a wall.
 #[test]
 fn a_point_just_below_a_surface_is_inside() {
     let surface = sausage(0.002);
