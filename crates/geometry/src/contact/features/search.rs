@@ -17,6 +17,8 @@ const LOOKS: usize = 16;
 const EVERY: usize = LOOKS / FIXED;
 /// Looks a span of the surface.
 const LOOKS_OF_SPAN: f64 = 2.0;
+/// Features of a ball that are looked at at once: a query for the ball would not save more than it takes.
+const FEW: usize = 2;
 /// Slopes of the distance along an edge below this are level.
 const LEVEL: f64 = 1e-9;
 /// Steps towards a place without slope, and the slope that ends them.
@@ -119,9 +121,8 @@ impl Below<'_> {
         })
     }
 
-    /// Finds a ball outside of a closed body, near to what may be deepest of a tool around a point.
-    fn keep_out(&mut self, middle: &Point3, size_m: f64) {
-        let foot = self.closest(middle);
+    /// Finds a ball outside of a closed body, near to what may be deepest of a tool around the point of this foot.
+    fn keep_out(&mut self, foot: &ClosestPoint, size_m: f64) {
         let p = foot.point + foot.normal * (foot.signed_distance.max(0.0) + size_m);
         let free_m = self.gap_m(&p);
         self.outside = (free_m > 0.0).then_some((p, free_m));
@@ -270,12 +271,8 @@ impl FeatureSearch {
             outside: None,
         };
         let (middle, radius_m) = self.tree.ball(root);
-        let middle = pose * middle;
-        if !below.may_touch(&middle, radius_m) {
+        if !below.may_touch(&(pose * middle), radius_m) {
             return;
-        }
-        if self.closed {
-            below.keep_out(&middle, self.size_m);
         }
         self.heap.push(Waiting {
             most_m: f64::INFINITY,
@@ -292,10 +289,17 @@ impl FeatureSearch {
                 self.look(features, node.1, pose, &mut below, reach);
                 continue;
             }
-            // The distance changes by no more than the way.
-            if self.closed {
-                let (centre, radius_m) = self.tree.ball(node);
-                most_m = most_m.min(radius_m - below.gap_m(&(pose * centre)));
+            // The distance changes by no more than the way. Around more than the body it excludes nothing, and of
+            // a few features each is looked at as soon.
+            let (centre, radius_m) = self.tree.ball(node);
+            let near = |child: &Node| self.most_of(features, *child, pose, &below) >= least_m;
+            let many = node.0 > 1 || self.tree.within(node).filter(near).count() > FEW;
+            if self.closed && radius_m < self.size_m && many {
+                let foot = below.closest(&(pose * centre));
+                most_m = most_m.min(radius_m - below.side * foot.signed_distance);
+                if below.outside.is_none() && node.0 > 1 && most_m >= least_m {
+                    below.keep_out(&foot, self.size_m);
+                }
             }
             for child in self.tree.within(node) {
                 let most_m = most_m.min(self.most_of(features, child, pose, &below));
