@@ -104,6 +104,10 @@ pub struct Common {
     /// poses of a device, so that its force answers sooner; the simulation is the same.
     #[arg(long)]
     pub fixed_phase: bool,
+    /// Number of threads on which bodies that deform step, that of the tick among them; results do not
+    /// depend on it [default: one per core, at most 8].
+    #[arg(long, value_name = "N")]
+    pub threads: Option<std::num::NonZeroUsize>,
     /// Stop when the process that started this one ends.
     #[arg(long)]
     pub with_parent: bool,
@@ -355,6 +359,7 @@ pub fn serve(
             .map(|duration| (duration.as_secs_f64() / scene.dt_s).round() as u64),
         privileged: !common.no_rt,
         follow: !common.fixed_phase,
+        threads: common.threads.map_or(usize::MAX, usize::from),
     };
     let (self_check, journal) = match common.self_check {
         None => (None, Box::new(journal) as Box<dyn Journal>),

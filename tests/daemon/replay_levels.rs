@@ -3,6 +3,7 @@
 
 use crate::common::{Laws as _, World};
 use crate::session::{RIGID, Random, Script, record, record_lying, scenes, slab};
+use palpate_drive::threads::Threads;
 use palpate_drive::workers::Workers;
 use palpate_geometry::math::{Point3, SavedState, Vector3, state_hash};
 use palpate_record::{
@@ -11,7 +12,7 @@ use palpate_record::{
 };
 use palpate_sim::body::{DeformableState, Field};
 use palpate_sim::tick::record::{Command, TickOutput, TickRecord};
-use palpate_sim::tick::{Pipeline, SceneState};
+use palpate_sim::tick::{Executor, Pipeline, SceneState};
 use palpate_sim::tick::{apply, restore, step};
 use std::path::Path;
 use std::process::Command as Process;
@@ -175,64 +176,89 @@ impl Pipeline for Few {
     }
 }
 
+/// Four slabs in a row, each with a ball of its own; `integrator`: by slab.
+fn four_slabs(integrator: impl Fn(usize) -> &'static str) -> String {
+    let plain = "layers = 2, refine = \"none\"";
+    let slab_at = |k: usize| {
+        let one = slab("continuum", plain, integrator(k));
+        let (head, one) = one.split_at(one.find("[[body]]").unwrap());
+        let (body, tool) = one.split_at(one.find("[[tool]]").unwrap());
+        let x = 0.3 * k as f64;
+        let place = format!("\npose = {{ position = [{x:?}, 0.0, 0.0] }}\nmodel");
+        let body = body
+            .replace("id = \"slab\"", &format!("id = \"slab{k}\""))
+            .replacen("\nmodel", &place, 1);
+        let tool = tool
+            .replace("id = \"ball\"", &format!("id = \"ball{k}\""))
+            .replace(
+                "position = [0.0, 0.0, 0.03]",
+                &format!("position = [{x:?}, 0.0, 0.03]"),
+            );
+        (head.to_owned(), body, tool)
+    };
+    let all = [0, 1, 2, 3].map(slab_at);
+    let bodies = all.iter().map(|(_, body, _)| body.as_str());
+    let tools = all.iter().map(|(_, _, tool)| tool.as_str());
+    let head = std::iter::once(all[0].0.as_str());
+    head.chain(bodies).chain(tools).collect()
+}
+
+/// Of a run in which all four are pressed, with what `prepare` gives the world first.
+fn hash_of_four(text: &str, prepare: impl FnOnce(&mut World)) -> SessionHash {
+    let script = Script::new(7, 300, true);
+    let mut world = World::new(text);
+    prepare(&mut world);
+    let mut hash = SessionHash::default();
+    let outputs = run(&mut world, &script, 0, 300);
+    outputs
+        .iter()
+        .for_each(|output| hash.push(output.tick, output.state_hash));
+    let pressed = |t: usize| {
+        let touching = outputs.iter().filter(|out| out.tools[t].contact.is_some());
+        touching.count()
+    };
+    let pressed = [0, 1, 2, 3].map(pressed);
+    assert!(pressed.iter().all(|ticks| *ticks > 20), "{pressed:?}");
+    hash
+}
+
 // R2.
 #[test]
 fn a_session_has_the_same_hash_with_any_number_of_workers() {
-    let plain = "layers = 2, refine = \"none\"";
-    let one = slab("continuum", plain, "integrator = { every = 4 }");
-    let (head, one) = one.split_at(one.find("[[body]]").unwrap());
-    let (body, tool) = one.split_at(one.find("[[tool]]").unwrap());
-    let body_at = |k: usize| {
-        let place = format!(
-            "\npose = {{ position = [{:?}, 0.0, 0.0] }}\nmodel",
-            0.3 * k as f64
-        );
-        body.replace("id = \"slab\"", &format!("id = \"slab{k}\""))
-            .replacen("\nmodel", &place, 1)
-    };
-    let tool_at = |k: usize| {
-        let place = format!("position = [{:?}, 0.0, 0.03]", 0.3 * k as f64);
-        tool.replace("id = \"ball\"", &format!("id = \"ball{k}\""))
-            .replace("position = [0.0, 0.0, 0.03]", &place)
-    };
-    let text: String = std::iter::once(head.to_owned())
-        .chain((0..4).map(body_at))
-        .chain((0..4).map(tool_at))
-        .collect();
-    let script = Script::new(7, 300, true);
-    let hash_with = |count: usize| {
-        let mut world = World::new(&text);
-        let scene = Arc::new(World::new(&text).scene);
-        if count > 0 {
-            let workers = Workers::start(&scene)
-                .unwrap()
-                .expect("bodies that step apart");
+    let text = four_slabs(|_| "integrator = { every = 4 }");
+    let alone = hash_of_four(&text, |_| {});
+    for count in [1, 2, 4] {
+        let hash = hash_of_four(&text, |world| {
+            let scene = Arc::new(World::new(&text).scene);
+            let workers = Workers::start(&scene).unwrap();
             world.scratch.set_pipeline(Box::new(Few {
-                workers,
+                workers: workers.expect("bodies that step apart"),
                 bodies: count,
             }));
-        }
-        let mut hash = SessionHash::default();
-        let outputs = run(&mut world, &script, 0, 300);
-        outputs
-            .iter()
-            .for_each(|output| hash.push(output.tick, output.state_hash));
-        let pressed = |t: usize| {
-            outputs
-                .iter()
-                .filter(|output| output.tools[t].contact.is_some())
-                .count()
-        };
-        assert!(
-            (0..4).all(|t| pressed(t) > 20),
-            "{:?}",
-            [0, 1, 2, 3].map(pressed)
-        );
-        hash
-    };
-    let alone = hash_with(0);
-    for count in [1, 2, 4] {
-        assert_eq!(hash_with(count), alone, "{count} workers");
+        });
+        assert_eq!(hash, alone, "{count} workers");
+    }
+}
+
+// R2: bodies that step side by side, one of them elsewhere.
+#[test]
+fn a_session_has_the_same_hash_with_any_number_of_threads() {
+    let text = four_slabs(|k| match k {
+        2 => "integrator = { every = 4 }",
+        _ => "",
+    });
+    let alone = hash_of_four(&text, |_| {});
+    for count in [2, 3, 8] {
+        let hash = hash_of_four(&text, |world| {
+            let threads = Threads::start(count, false).unwrap();
+            let executor = threads.map(|threads| Box::new(threads) as Box<dyn Executor>);
+            world.scratch.set_executor(&world.scene, executor);
+            let scene = Arc::new(World::new(&text).scene);
+            let workers = Workers::start(&scene).unwrap();
+            let workers = workers.expect("a body that steps apart");
+            world.scratch.set_pipeline(Box::new(workers));
+        });
+        assert_eq!(hash, alone, "{count} threads");
     }
 }
 

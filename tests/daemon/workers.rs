@@ -147,6 +147,7 @@ fn a_loop_in_real_time_waits_for_no_late_worker_and_its_recording_replays() {
         ticks: None,
         privileged: false,
         follow: false,
+        threads: 1,
     };
     // A clock that stands still: nothing overruns.
     let mut driver = Driver::new(scene.clone(), tick_ports, Box::new(port), settings, || 0);

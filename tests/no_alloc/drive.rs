@@ -52,6 +52,24 @@ fn a_tick_with_a_worker_beside_it_allocates_nothing() {
     assert_eq!(press_and_slide(&mut world), 0);
 }
 
+// The threads that step bodies side by side allocate nothing either, and a tick hands them their bodies as they are.
+#[test]
+fn ticks_that_step_bodies_side_by_side_allocate_nothing() {
+    let one = slab("continuum", "");
+    let other = one
+        .replace(
+            "id = \"slab\"",
+            "id = \"other\"\npose = { position = [0.0, 0.3, 0.0] }",
+        )
+        .replace("id = \"ball\"", "id = \"second\"")
+        .replace("position = [0.0, 0.0, 0.03]", "position = [0.0, 0.3, 0.03]");
+    let mut world = World::new(&(one + &other));
+    let threads = palpate_drive::threads::Threads::start(2, false).unwrap();
+    let executor = threads.map(|threads| Box::new(threads) as _);
+    world.scratch.set_executor(&world.scene, executor);
+    assert_eq!(press_and_slide(&mut world), 0);
+}
+
 // A shadow that goes back now and then costs the tick copies into buffers that are there already,
 // whatever contact rows come.
 #[test]

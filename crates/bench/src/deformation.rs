@@ -18,6 +18,7 @@ mod poking;
 mod refit;
 mod scaling;
 mod scenes;
+mod side_by_side;
 mod svg;
 mod theory;
 mod world;

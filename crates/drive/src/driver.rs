@@ -7,6 +7,7 @@ use super::pacer::{Privileges, Schedule, Wake, ask_privileges, now_ns, sleep_unt
 use super::phase::Follower;
 use super::ports::{BUS_NETS, Receipt, TickPorts};
 use super::stats::{Histogram, LATE_NS, StageHistograms};
+use super::threads::Threads;
 use super::workers::Workers;
 use palpate_geometry::math::state_hash;
 use palpate_sim::scene::Scene;
@@ -31,6 +32,8 @@ pub struct DriverSettings {
     pub privileged: bool,
     /// Move deadlines to where poses come; only in real time.
     pub follow: bool,
+    /// Threads on which bodies step side by side, with that of the tick; at most as many as processors.
+    pub threads: usize,
 }
 
 /// What a loop did.
@@ -76,6 +79,11 @@ pub fn start(
                 Err(error) => tracing::warn!(
                     "could not start threads for bodies that step separately: {error}"
                 ),
+            }
+            match Threads::start(settings.threads, settings.privileged) {
+                Ok(Some(threads)) => scratch.set_executor(&scene, Some(Box::new(threads))),
+                Ok(None) => {}
+                Err(error) => tracing::warn!("could not start threads beside the tick's: {error}"),
             }
             let _ = ports.tick_thread.set(std::thread::current());
             let privileges = if settings.privileged {

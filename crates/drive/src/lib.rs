@@ -19,4 +19,5 @@ pub mod pool;
 pub mod ports;
 pub mod stats;
 pub mod swap;
+pub mod threads;
 pub mod workers;

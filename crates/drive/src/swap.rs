@@ -73,6 +73,8 @@ impl Swap {
         self.scene
             .carry_over(scene, state, &self.carry, &mut self.state);
         self.scene.prepare(&self.state, &mut self.scratch);
+        let executor = scratch.take_executor();
+        self.scratch.set_executor(&self.scene, executor);
         std::mem::swap(scene, &mut self.scene);
         std::mem::swap(state, &mut self.state);
         std::mem::swap(scratch, &mut self.scratch);

@@ -80,6 +80,7 @@ impl Host {
             ticks: None,
             privileged: false,
             follow: false,
+            threads: 1,
         };
         let driver = Driver::new(scene.clone(), tick_ports, Box::new(port), settings, now_ns);
         let period_ns = (scene.dt_s * 1e9).round() as u64;

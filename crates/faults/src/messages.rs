@@ -101,6 +101,7 @@ impl Stepped {
             ticks: None,
             privileged: false,
             follow: false,
+            threads: 1,
         };
         let journal = Box::new(NoJournal);
         Self {

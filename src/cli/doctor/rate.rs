@@ -2,6 +2,7 @@
 
 use palpate_client::device::Motion;
 use palpate_drive::pacer::{now_ns, sleep_until};
+use palpate_drive::threads::Threads;
 use palpate_drive::workers::Workers;
 use palpate_geometry::math::{Point3, Vector3};
 use palpate_sim::haptics::DevicePose;
@@ -94,6 +95,9 @@ impl Pressing {
         let mut scratch = scene.scratch(&state);
         if let Ok(Some(workers)) = Workers::start(&scene) {
             scratch.set_pipeline(Box::new(workers));
+        }
+        if let Ok(Some(threads)) = Threads::start(usize::MAX, true) {
+            scratch.set_executor(&scene, Some(Box::new(threads)));
         }
         let mut took_ns = Vec::with_capacity(ticks as usize);
         let mut force_ns = Vec::with_capacity(ticks as usize);

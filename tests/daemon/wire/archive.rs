@@ -110,6 +110,7 @@ fn requests_go_to_the_keeper_and_its_news_become_answers_events_and_tokens() {
         ticks: None,
         privileged: false,
         follow: false,
+        threads: 1,
     };
     let thread = driver::start(scene, tick_ports, Box::new(NoJournal), driving).unwrap();
 

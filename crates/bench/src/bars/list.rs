@@ -144,6 +144,9 @@ const ROWS: &[Promise] = &[
     // Nor is a processor without wide instructions too slow.
     long(most(Suite::Deformation, "tick/teardrop/default", "default", TimesLonger("without AVX2 and F16C"), 3.0)),
     long(least(Suite::Deformation, "indent/12/x1", CONTINUUM, TimesLonger(RAPIER), 11.0)),
+    // Two bodies that do not touch step side by side, to the same bits.
+    most(Suite::Scaling, "scaling/side-by-side", "two threads", Error, 0.0),
+    long(least(Suite::Scaling, "scaling/side-by-side", "two threads", TimesLonger("one thread"), 1.8)),
     long(own(Suite::Hard, "hard/*")),
 
     // Walls, energy, forces and friction have their bars beside them.

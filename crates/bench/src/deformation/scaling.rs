@@ -8,7 +8,7 @@
 use super::indent::{failed, first_touch};
 use super::scenes::TeardropCase;
 use super::world::World;
-use super::{Effort, Row, TEARDROP_REFERENCE_N};
+use super::{Effort, Row, TEARDROP_REFERENCE_N, side_by_side};
 use palpate_sim::haptics::DevicePose;
 
 /// A number that grows.
@@ -203,6 +203,9 @@ pub fn scaling(effort: Effort, cases: super::Cases<'_>, out: &mut dyn FnMut(Row)
         Effort::Quick => sizes.min(4),
         Effort::Full => sizes,
     };
+    if wanted(side_by_side::CASE) {
+        side_by_side::rows(effort, out);
+    }
     for growth in &GROWTHS {
         let name = format!("scaling/{}", growth.name);
         let mut points = Vec::new();

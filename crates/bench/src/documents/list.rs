@@ -149,9 +149,15 @@ pub(super) fn tables() -> Vec<Table> {
                 Effort::Quick,
                 "scaling",
                 "docs/figures.md",
-                &[Rows(Suite::Scaling, &[("scaling/*", "fit")])],
-                &[Error, Note],
-                &["crates/bench/src/deformation/scaling.rs"],
+                &[Rows(
+                    Suite::Scaling,
+                    &[("scaling/side-by-side", "*"), ("scaling/*", "fit")],
+                )],
+                &[Median, Error, Note],
+                &[
+                    "crates/bench/src/deformation/scaling.rs",
+                    "crates/bench/src/deformation/side_by_side.rs",
+                ],
             )
         },
         Table {

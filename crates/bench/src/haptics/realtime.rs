@@ -326,6 +326,7 @@ fn loop_at_work(text: &str, touch_m: f64, ticks: u64) -> anyhow::Result<DriverRe
         ticks: Some(ticks),
         privileged: true,
         follow: true,
+        threads: usize::MAX,
     };
     let starts: Vec<_> = loaded
         .spec

@@ -6,6 +6,7 @@ use crate::body::{DeformableScratch, DeformableState};
 use crate::in_place::clone_in_place;
 use crate::scene::{Body, Scene};
 use crate::solve::side::Sided;
+use crate::tick::record::TickFault;
 use palpate_geometry::math::{Point3, Vector3};
 use palpate_geometry::skin::{Skin, SkinSide, SkinSolver};
 use palpate_geometry::stateful;
@@ -95,6 +96,8 @@ pub struct BodyScratch {
     /// Box of the net now and after free motion: the surface stays in it through the tick.
     pub(crate) bounds: (Point3, Point3),
     pub(super) deforming: Option<DeformingScratch>,
+    /// Why it was set back in this tick.
+    pub(crate) fault: Option<TickFault>,
     /// How far it goes in the tick under way, when it is rigid and moves.
     pub(crate) step: RigidStep,
     pub(super) rigid: Option<Box<RigidScratch>>,
@@ -108,6 +111,7 @@ impl BodyScratch {
             solver: SkinSolver::new(&body.skin),
             bounds: box_of(body.skin.points()),
             deforming: None,
+            fault: None,
             step: RigidStep::NONE,
             rigid: None,
         }
@@ -140,6 +144,18 @@ pub(crate) struct DeformingScratch {
     pub predicted_net: Vec<Point3>,
     /// What one more iteration changed of it.
     pub change: Vec<Vector3>,
+    pub stepped: Stepped,
+}
+
+/// How a body's step goes in a tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Stepped {
+    /// It goes on elsewhere, or is put off.
+    Not,
+    /// It is taken in the tick.
+    Here,
+    /// It was taken elsewhere, with the free motion of the next.
+    Elsewhere,
 }
 
 impl BodyScratch {

@@ -136,14 +136,36 @@ pub(crate) trait Party {
     /// Takes no more than a share of that motion, and of the forces.
     fn shorten(&self, _state: &Self::State, _scratch: &mut Self::Scratch, _share: f64) {}
 
+    /// Deform: begins a step that is done elsewhere, or takes over one that was.
+    fn hand_over(
+        &self,
+        _around: &Around<'_>,
+        _state: &mut Self::State,
+        _scratch: &mut Self::Scratch,
+        _pipeline: &mut Option<Box<dyn Pipeline>>,
+    ) {
+    }
+
     /// Moves it under what it took. Where that led beyond reason it is set back, and says so.
     fn apply(
         &self,
         around: &Around<'_>,
         state: &mut Self::State,
         scratch: &mut Self::Scratch,
-        pipeline: &mut Option<Box<dyn Pipeline>>,
     ) -> Option<TickFault>;
+
+    /// Has made elsewhere what its next steps need, and takes over what was.
+    fn follow(
+        &self,
+        _state: &mut Self::State,
+        _scratch: &mut Self::Scratch,
+        _pipeline: &mut Option<Box<dyn Pipeline>>,
+    ) {
+    }
+
+    /// Its free motion from where it is now.
+    fn look_ahead(&self, _around: &Around<'_>, _state: &Self::State, _scratch: &mut Self::Scratch) {
+    }
 
     /// A tick in which bodies do not move: what pressed it is forgotten.
     fn stand_still(&self, _field: Field, _state: &Self::State, _scratch: &mut Self::Scratch) {}

@@ -1,6 +1,6 @@
 //! A body that deforms: its surface gives way as its implicit step does.
 
-use super::body::{BodyScratch, BodyState, DeformingScratch, Of, box_of};
+use super::body::{BodyScratch, BodyState, DeformingScratch, Of, Stepped, box_of};
 use super::contract::{Around, Begun, Ended, Party, Problem};
 use super::pipeline::Pipeline;
 use crate::body::{
@@ -48,14 +48,6 @@ impl Compliance for Answers<'_> {
     }
 }
 
-/// What a tick did to a body.
-enum Stepped {
-    /// Its step goes on.
-    Not,
-    /// It moved; its next free motion is known or not.
-    Done { predicted: bool },
-}
-
 impl Party for Of<'_, &DeformingBody> {
     type State = BodyState;
     type Scratch = BodyScratch;
@@ -85,6 +77,7 @@ impl Party for Of<'_, &DeformingBody> {
                 deformable: self.kind.deformable.scratch(),
                 predicted_net: net.to_vec(),
                 change: vec![Vector3::zeros(); net.len()],
+                stepped: Stepped::Here,
             }),
             ..BodyScratch::of(self.body)
         }
@@ -362,23 +355,39 @@ impl Party for Of<'_, &DeformingBody> {
         }
     }
 
-    /// Steps every tick, or begins a step with the forces of one tick and takes it over some ticks later, on
-    /// whatever thread it was done. In between the surface stands still and answers with its compliance.
-    fn apply(
+    /// A body that steps once in several ticks begins with the forces of one tick and takes the step over some ticks
+    /// later, on whatever thread it was done. In between the surface stands still and answers with its compliance.
+    fn hand_over(
         &self,
         around: &Around<'_>,
         state: &mut BodyState,
         scratch: &mut BodyScratch,
         pipeline: &mut Option<Box<dyn Pipeline>>,
+    ) {
+        if let Some(deforming) = &mut scratch.deforming
+            && self.kind.every > 1
+        {
+            deforming.stepped = self.step(around.field, state, deforming, pipeline);
+        }
+    }
+
+    fn apply(
+        &self,
+        _: &Around<'_>,
+        state: &mut BodyState,
+        scratch: &mut BodyScratch,
     ) -> Option<TickFault> {
         let deforming = scratch.deforming.as_mut()?;
-        let stepped = self.step(around.field, state, deforming, pipeline);
-        let Stepped::Done { predicted } = stepped else {
-            state.moved_m = 0.0;
-            return None;
-        };
         let nodes = state.deformable.as_mut()?;
         let deformable = &self.kind.deformable;
+        match deforming.stepped {
+            Stepped::Not => {
+                state.moved_m = 0.0;
+                return None;
+            }
+            Stepped::Here => deformable.advance(nodes, &mut deforming.deformable),
+            Stepped::Elsewhere => {}
+        }
         // A sum is finite only if every part is.
         let sum: f64 = nodes.positions.iter().map(|p| p.x + p.y + p.z).sum();
         let mut fault = (!sum.is_finite()).then_some(TickFault::NotFinite);
@@ -399,9 +408,43 @@ impl Party for Of<'_, &DeformingBody> {
         if moved_squared > 0.0 {
             state.revision += 1;
         }
-        self.follow(state, scratch, pipeline);
-        self.prepare(around.field, state, scratch, predicted && fault.is_none());
         fault
+    }
+
+    /// Has a matrix made elsewhere where the body's cannot follow it any more, and takes over one that is due.
+    fn follow(
+        &self,
+        state: &mut BodyState,
+        scratch: &mut BodyScratch,
+        pipeline: &mut Option<Box<dyn Pipeline>>,
+    ) {
+        let (Some(nodes), Some(deforming)) = (&mut state.deformable, &mut scratch.deforming) else {
+            return;
+        };
+        if deforming.stepped == Stepped::Not {
+            return;
+        }
+        let (deformable, scratch) = (&self.kind.deformable, &mut deforming.deformable);
+        if deformable.follows(scratch) == Follows::Begun
+            && let Some(pipeline) = pipeline
+        {
+            pipeline.make(self.index, nodes);
+        }
+        if nodes.following.is_due() {
+            let old = deformable.let_go(scratch);
+            let made = (pipeline.as_mut()).and_then(|pipeline| pipeline.made(self.index, old));
+            deformable.take_over(nodes, scratch, made);
+        }
+    }
+
+    fn look_ahead(&self, around: &Around<'_>, state: &BodyState, scratch: &mut BodyScratch) {
+        let Some(deforming) = &scratch.deforming else {
+            return;
+        };
+        if deforming.stepped != Stepped::Not {
+            let predicted = deforming.stepped == Stepped::Elsewhere && scratch.fault.is_none();
+            self.prepare(around.field, state, scratch, predicted);
+        }
     }
 
     fn stand_still(&self, field: Field, state: &BodyState, scratch: &mut BodyScratch) {
@@ -502,29 +545,6 @@ impl Party for Of<'_, &DeformingBody> {
 }
 
 impl Of<'_, &DeformingBody> {
-    /// Has a matrix made elsewhere where the body's cannot follow it any more, and takes over one that is due.
-    fn follow(
-        &self,
-        state: &mut BodyState,
-        scratch: &mut BodyScratch,
-        pipeline: &mut Option<Box<dyn Pipeline>>,
-    ) {
-        let (Some(nodes), Some(deforming)) = (&mut state.deformable, &mut scratch.deforming) else {
-            return;
-        };
-        let (deformable, scratch) = (&self.kind.deformable, &mut deforming.deformable);
-        if deformable.follows(scratch) == Follows::Begun
-            && let Some(pipeline) = pipeline
-        {
-            pipeline.make(self.index, nodes);
-        }
-        if nodes.following.is_due() {
-            let old = deformable.let_go(scratch);
-            let made = (pipeline.as_mut()).and_then(|pipeline| pipeline.made(self.index, old));
-            deformable.take_over(nodes, scratch, made);
-        }
-    }
-
     fn fall_back(&self, scratch: &BodyScratch) -> Option<FallBack> {
         let deforming = scratch.deforming.as_ref()?;
         self.kind.deformable.fall_back(&deforming.deformable)
@@ -596,38 +616,34 @@ impl Of<'_, &DeformingBody> {
         deforming: &mut DeformingScratch,
         pipeline: &mut Option<Box<dyn Pipeline>>,
     ) -> Stepped {
-        let (deformable, every) = (&self.kind.deformable, self.kind.every);
+        let (deformable, scratch) = (&self.kind.deformable, &mut deforming.deformable);
         let Some(nodes) = &mut state.deformable else {
             return Stepped::Not;
         };
-        let scratch = &mut deforming.deformable;
-        if every > 1 {
-            if std::mem::take(&mut state.put_off) {
-                deformable.drop_loads(scratch);
-                return Stepped::Not;
-            }
-            if state.phase == 0 {
-                deformable.take_loads(scratch, &mut state.loads);
-                if let Some(pipeline) = pipeline {
-                    pipeline.start(self.index, field, nodes, &scratch.predicted, &state.loads);
-                }
-            } else {
-                deformable.drop_loads(scratch);
-            }
-            state.phase += 1;
-            if state.phase < every {
-                return Stepped::Not;
-            }
-            state.phase = 0;
-            let finished = pipeline
-                .as_mut()
-                .is_some_and(|pipeline| pipeline.finish(self.index, nodes, &mut scratch.predicted));
-            if finished {
-                return Stepped::Done { predicted: true };
-            }
-            deformable.give_loads(scratch, &state.loads);
+        if std::mem::take(&mut state.put_off) {
+            deformable.drop_loads(scratch);
+            return Stepped::Not;
         }
-        deformable.advance(nodes, scratch);
-        Stepped::Done { predicted: false }
+        if state.phase == 0 {
+            deformable.take_loads(scratch, &mut state.loads);
+            if let Some(pipeline) = pipeline {
+                pipeline.start(self.index, field, nodes, &scratch.predicted, &state.loads);
+            }
+        } else {
+            deformable.drop_loads(scratch);
+        }
+        state.phase += 1;
+        if state.phase < self.kind.every {
+            return Stepped::Not;
+        }
+        state.phase = 0;
+        let finished = pipeline
+            .as_mut()
+            .is_some_and(|pipeline| pipeline.finish(self.index, nodes, &mut scratch.predicted));
+        if finished {
+            return Stepped::Elsewhere;
+        }
+        deformable.give_loads(scratch, &state.loads);
+        Stepped::Here
     }
 }

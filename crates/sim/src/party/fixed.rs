@@ -2,7 +2,6 @@
 
 use super::body::{BodyScratch, BodyState, Of};
 use super::contract::{Around, Party};
-use super::pipeline::Pipeline;
 use crate::tick::record::TickFault;
 use palpate_geometry::math::Point3;
 
@@ -21,13 +20,7 @@ impl Party for Of<'_, Fixed> {
         BodyScratch::of(self.body)
     }
 
-    fn apply(
-        &self,
-        _: &Around<'_>,
-        _: &mut BodyState,
-        _: &mut BodyScratch,
-        _: &mut Option<Box<dyn Pipeline>>,
-    ) -> Option<TickFault> {
+    fn apply(&self, _: &Around<'_>, _: &mut BodyState, _: &mut BodyScratch) -> Option<TickFault> {
         None
     }
 

@@ -13,7 +13,6 @@ use super::body::{BodyScratch, BodyState, Of};
 use super::contract::{Around, Party, Problem};
 use super::flight::{Flight, Gives, RigidMotion};
 use super::moved::{arrive, buffers, go, net, prepare, starting, stay};
-use super::pipeline::Pipeline;
 use super::rigid::{Course, RigidState, Turn};
 use crate::body::Field;
 use crate::scene::{Free, Mover};
@@ -143,7 +142,6 @@ impl Party for Of<'_, Freed<'_>> {
         _: &Around<'_>,
         state: &mut BodyState,
         scratch: &mut BodyScratch,
-        _: &mut Option<Box<dyn Pipeline>>,
     ) -> Option<TickFault> {
         if state.is_left_alone() {
             arrive(self.body, &self.kind.mover.placement, state, scratch);

@@ -10,7 +10,6 @@
 
 use super::body::{BodyScratch, BodyState, Of, box_of};
 use super::contract::{Around, Party};
-use super::pipeline::Pipeline;
 use super::rigid::{Course, RigidScratch, RigidState, RigidStep, Sent, Turn};
 use crate::body::Field;
 use crate::haptics::LinkPhase;
@@ -59,7 +58,6 @@ impl Party for Of<'_, &Mover> {
         _: &Around<'_>,
         state: &mut BodyState,
         scratch: &mut BodyScratch,
-        _: &mut Option<Box<dyn Pipeline>>,
     ) -> Option<TickFault> {
         arrive(self.body, &self.kind.placement, state, scratch);
         None

@@ -1,7 +1,6 @@
 //! A tool on its virtual coupling: free motion takes it to its device, contact holds it back.
 
 use super::contract::{Around, Party, Problem};
-use super::pipeline::Pipeline;
 use super::tool::{ToolScratch, ToolState};
 use crate::haptics::{Coupling, DeviceBounds, Link, Port, RenderedForce, limit};
 use crate::scene::{Scene, Tool};
@@ -94,7 +93,6 @@ impl Party for OnCoupling<'_> {
         _: &Around<'_>,
         state: &mut ToolState,
         scratch: &mut ToolScratch,
-        _: &mut Option<Box<dyn Pipeline>>,
     ) -> Option<TickFault> {
         let coupling = self.coupling(state);
         scratch.held = scratch.free + scratch.force_n * coupling.compliance_m_n();

@@ -47,7 +47,7 @@ pub(crate) fn write(
             field: Field::default(),
             moving: false,
         };
-        let fault = party.apply(&still, tool_state, parts, &mut None);
+        let fault = party.apply(&still, tool_state, parts);
         let let_go = tool_state.link.has_let_go();
         let (force, torque, factor) = (parts.force_n, parts.torque_nm, parts.borne);
         if !let_go {

@@ -264,6 +264,14 @@ impl Scene {
         sum_us + of_tools.iter().sum::<f64>()
     }
 
+    /// What a body's step in a tick is predicted to take, µs; 0 of what does not deform, or steps elsewhere.
+    pub(crate) fn step_us(&self, body: usize) -> f64 {
+        match &self.bodies[body].model {
+            BodyModel::Deforming(model) if model.every == 1 => step_us(&model.deformable),
+            _ => 0.0,
+        }
+    }
+
     fn can_meet(&self, a: usize, b: usize) -> bool {
         let moves =
             |body: usize| self.bodies[body].mover.is_some() || self.free_mass_kg(body).is_some();

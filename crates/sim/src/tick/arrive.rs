@@ -1,12 +1,13 @@
 //! Parties take the contact forces; what strains more in the tick than a step can follow is shortened, and the forces
 //! with it, before they are out: a hand and a body feel the same.
 
+use super::executor::SideBySide;
 use super::load;
 use crate::solve::rows::Holder;
 use crate::tick::balance::Balance;
 
 /// Hands the forces over. `shares`: by body, left with the share of its motion that was taken.
-pub(super) fn arrive(balance: &mut Balance<'_>, shares: &mut [f64]) {
+pub(super) fn arrive(balance: &mut Balance<'_>, shares: &mut [f64], side_by_side: &mut SideBySide) {
     let scene = balance.scene;
     let Balance {
         tools,
@@ -23,9 +24,11 @@ pub(super) fn arrive(balance: &mut Balance<'_>, shares: &mut [f64]) {
             load::push_bodies(scene, rows, solver, tool_parts, bodies, i, 0);
         }
     }
-    for (b, body) in scene.parties().enumerate() {
-        shares[b] = body.arrive(&states[b], &mut bodies[b]);
-        if cfg!(debug_assertions) {
+    side_by_side.each(shares, bodies, |b, share, scratch| {
+        *share = scene.party(b).arrive(&states[b], scratch);
+    });
+    if cfg!(debug_assertions) {
+        for (b, body) in scene.parties().enumerate() {
             body.check_arrival(&bodies[b], rows, solver);
         }
     }

@@ -11,6 +11,7 @@ mod audit;
 pub(crate) mod balance;
 mod by_tool;
 mod carry_over;
+mod executor;
 pub mod flags;
 mod frame;
 mod invariants;
@@ -32,6 +33,7 @@ pub use crate::party::{
 };
 pub use crate::report::explain;
 pub use carry_over::CarryOver;
+pub use executor::{Executor, MOST_LOTS};
 pub use frame::FrameState;
 pub use late::late_step;
 pub use scratch::Scratch;

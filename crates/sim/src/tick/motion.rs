@@ -1,5 +1,6 @@
 //! Second half of a tick: parties take the contact forces, and their next free motion is predicted.
 
+use super::executor::SideBySide;
 use super::frame::FrameState;
 use super::record::TickFault;
 use crate::party::{Around, BodyScratch, BodyState, Pipeline, ToolState};
@@ -12,7 +13,7 @@ pub(super) fn advance(
     tools: &[ToolState],
     frame: &mut FrameState,
     scratch: &mut [BodyScratch],
-    pipeline: &mut Option<Box<dyn Pipeline>>,
+    (side_by_side, pipeline): (&mut SideBySide, &mut Option<Box<dyn Pipeline>>),
 ) -> Option<TickFault> {
     scene.follow_frame(frame, tools);
     let around = Around {
@@ -20,12 +21,19 @@ pub(super) fn advance(
         field: scene.field(frame),
         moving: true,
     };
-    let mut fault = None;
     for (b, body) in scene.parties().enumerate() {
-        let own = body.apply(&around, &mut states[b], &mut scratch[b], pipeline);
-        fault = own.or(fault);
+        body.hand_over(&around, &mut states[b], &mut scratch[b], pipeline);
     }
-    fault
+    side_by_side.each(states, scratch, |b, state, scratch| {
+        scratch.fault = scene.party(b).apply(&around, state, scratch);
+    });
+    for (b, body) in scene.parties().enumerate() {
+        body.follow(&mut states[b], &mut scratch[b], pipeline);
+    }
+    side_by_side.each(states, scratch, |b, state, scratch| {
+        scene.party(b).look_ahead(&around, state, scratch);
+    });
+    scratch.iter().rev().find_map(|body| body.fault)
 }
 
 /// A tick in which bodies do not move.

@@ -1,5 +1,6 @@
 //! Buffers of a step, made anew from the state.
 
+use super::executor::{Executor, SideBySide};
 use super::state::SceneState;
 use crate::contact::bounce;
 use crate::contact::near::Near;
@@ -46,6 +47,8 @@ pub struct Scratch {
     /// Where bodies that take several ticks step; without it they step in the tick in which they
     /// are due.
     pub(super) pipeline: Option<Box<dyn Pipeline>>,
+    /// Where the others step.
+    pub(super) side_by_side: SideBySide,
     /// The state at the start, for a reset.
     pub(super) start: SceneState,
 }
@@ -54,6 +57,16 @@ impl Scratch {
     /// Lets bodies that take several ticks step elsewhere.
     pub fn set_pipeline(&mut self, pipeline: Box<dyn Pipeline>) {
         self.pipeline = Some(pipeline);
+    }
+
+    /// Lets bodies of the scene that step every tick do so side by side: to the same bits.
+    pub fn set_executor(&mut self, scene: &Scene, executor: Option<Box<dyn Executor>>) {
+        self.side_by_side = SideBySide::new(scene, executor);
+    }
+
+    /// Takes that back.
+    pub fn take_executor(&mut self) -> Option<Box<dyn Executor>> {
+        std::mem::take(&mut self.side_by_side).into_executor()
     }
 
     /// Pieces of surfaces that searches for closest points gave up so far: where that grows, an answer
@@ -139,6 +152,7 @@ impl Scene {
             errors: Errors::new(most_rows, directions, self.tools.len()),
             degraded: vec![false; self.bodies.len()],
             pipeline: None,
+            side_by_side: SideBySide::default(),
             start: self.initial_state(),
         };
         self.prepare(state, &mut scratch);

@@ -100,6 +100,9 @@ pub fn render(
             true
         }
     };
+    if moving {
+        scratch.side_by_side.wake();
+    }
     output.clear(scene.tool_count());
     (output.tick, output.moving, output.quality) = (state.tick, moving, state.quality);
     let wanted = state.run == RunState::Running;
@@ -117,8 +120,10 @@ pub fn render(
     admit::release(scene, &mut state.tools, &rows.rows, solver, wanted, output);
     iterate::iterate(&mut balance(scene, state, scratch));
     let mut shares = std::mem::take(&mut scratch.shares);
-    arrive::arrive(&mut balance(scene, state, scratch), &mut shares);
-    scratch.shares = shares;
+    let mut side_by_side = std::mem::take(&mut scratch.side_by_side);
+    let mut balance = balance(scene, state, scratch);
+    arrive::arrive(&mut balance, &mut shares, &mut side_by_side);
+    (scratch.shares, scratch.side_by_side) = (shares, side_by_side);
     estimate(scene, state, scratch);
     report(scene, state, scratch, output);
     if cfg!(debug_assertions) {
@@ -271,12 +276,13 @@ pub fn deform(
         &state.tools,
         &mut state.frame,
         &mut scratch.bodies,
-        &mut scratch.pipeline,
+        (&mut scratch.side_by_side, &mut scratch.pipeline),
     ) {
         output.fault = Some(fault);
         // The forces of this tick are out already.
         state.faulted = true;
     }
+    scratch.side_by_side.rest();
     if cfg!(debug_assertions) {
         state.check(scene);
     }
