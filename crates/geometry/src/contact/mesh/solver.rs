@@ -143,7 +143,9 @@ impl DepthField for PlacedMesh<'_> {
         let most_m = half.norm() * (1.0 + 1e-9) + self.margin_m + self.distance.off_m();
         let p = self.pose.inverse_transform_point(centre);
         let (middle, radius_m) = self.distance.tool.ball();
-        (p - middle).norm() <= radius_m + most_m && self.distance.signed_roughly(&p).0 <= most_m
+        (p - middle).norm() <= radius_m + most_m
+            && self.distance.near.get().least_gap_m(&p) <= most_m
+            && self.distance.signed_roughly(&p).0 <= most_m
     }
 
     fn rough(&self, p: &Point3) -> (f64, Vector3) {
@@ -344,7 +346,8 @@ impl MeshSolver {
                 continue;
             }
             let mut around = None;
-            if self.closed {
+            // Around more than the body a ball excludes nothing.
+            if self.closed && radius_m < below.size_m {
                 let foot = below.closest(&centre);
                 if foot.signed_distance > radius_m + reach.margin_m {
                     continue;

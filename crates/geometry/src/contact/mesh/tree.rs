@@ -73,6 +73,8 @@ pub(super) struct MeshFoot {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Near {
     at: Point3,
+    /// Signed distance there, m, negative inside.
+    gap_m: f64,
     /// Squared distance, m², and place in the tree, nearest first.
     faces: [(f64, u32); NEAR],
     count: usize,
@@ -82,6 +84,7 @@ impl Default for Near {
     fn default() -> Self {
         Self {
             at: Point3::origin(),
+            gap_m: 0.0,
             faces: [(f64::INFINITY, 0); NEAR],
             count: 0,
         }
@@ -99,6 +102,11 @@ impl Near {
             self.faces[at] = (square, face);
         }
         self.count = NEAR.min(self.count + 1);
+    }
+
+    /// Signed distances are at least this, m, as far as the last search knows: they change by no more than the way.
+    pub fn least_gap_m(&self, p: &Point3) -> f64 {
+        self.gap_m - (p - self.at).norm()
     }
 
     /// Squared distance beyond which no triangle is kept, m².
@@ -220,7 +228,9 @@ impl Triangles {
             self.search(p, reach, near);
             let k = near.faces[0].1;
             let (way, feature) = self.faces[k as usize].nearest(p);
-            best = (near.faces[0].0, k, way, feature);
+            let foot = self.signed(k as usize, &way, feature);
+            near.gap_m = foot.gap_m;
+            return foot;
         }
         self.signed(best.1 as usize, &best.2, best.3)
     }
