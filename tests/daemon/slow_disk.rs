@@ -219,6 +219,8 @@ fn a_sync_that_fails_ends_the_recording_and_says_what_may_be_gone() {
         disk.asked.load(Ordering::Relaxed) > 1
     });
     disk.fails.store(true, Ordering::Relaxed);
+    // The disk may have confirmed all ticks before; never these.
+    ticks(&mut live, 10);
     let reason = |archive: &mut Box<dyn Archive>| match news(archive, |news| {
         matches!(news, ArchiveNews::Failed { .. })
     }) {
