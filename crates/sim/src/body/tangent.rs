@@ -7,7 +7,7 @@
 use super::elements::{Place, Weight};
 use super::matter::Matter;
 use super::neighbours::middle;
-use super::node_map::NodeMap;
+use super::node_map::{NodeMap, SparseRows};
 use palpate_geometry::math::{BlockTriplets, Matrix3, SymmetricTriplets, Vector3};
 use std::collections::BTreeMap;
 
@@ -128,92 +128,215 @@ pub(super) fn at(matter: &Matter, place: &Place<'_>) -> BlockTriplets {
             matter
                 .law
                 .shared_at(place.places, &mut |growth, stiffness| {
-                    let of_coordinates = growth.iter().copied();
-                    each_product(
-                        matter,
-                        of_coordinates,
-                        stiffness * scale,
-                        &mut |i, j, block| {
-                            matrix.add(i, j, block);
-                        },
-                    );
+                    let gradient = gathered(matter, growth.iter().copied());
+                    each_product(&gradient, stiffness * scale, &mut |i, j, block| {
+                        matrix.add(i, j, block);
+                    });
                 });
         }
         NodeMap::Sparse(map) => {
-            // Many small products meet in each block of coordinates: gathered row by row.
-            let mut sums: Vec<BTreeMap<usize, Matrix3>> = vec![BTreeMap::new(); matrix.n];
-            let mut of_nodes: BTreeMap<(u32, u32), Matrix3> = BTreeMap::new();
-            matter.law.tangent_at(place, &mut |a, b, block| {
-                *of_nodes.entry((a, b)).or_insert_with(Matrix3::zeros) += block;
-            });
-            for (&(a, b), block) in &of_nodes {
-                let (left, left_weights) = map.row(a as usize);
-                let (right, right_weights) = map.row(b as usize);
-                for (&i, u) in left.iter().zip(left_weights) {
-                    let Some(i) = matter.unknown(i as usize) else {
-                        continue;
-                    };
-                    for (&j, w) in right.iter().zip(right_weights) {
-                        let Some(j) = matter.unknown(j as usize) else {
-                            continue;
-                        };
-                        let part = block * (u * w * scale);
-                        let mut add = |i: usize, j: usize, part: Matrix3| {
-                            if i >= j {
-                                *sums[i].entry(j).or_insert_with(Matrix3::zeros) += part;
-                            }
-                        };
-                        add(i, j, part);
-                        if a != b {
-                            add(j, i, part.transpose());
-                        }
-                    }
-                }
-            }
-            matter
-                .law
-                .shared_at(place.places, &mut |growth, stiffness| {
-                    let of_nodes = growth.iter().map(|&(node, gradient)| {
-                        let (coordinates, weights) = map.row(node as usize);
-                        (gradient, coordinates.iter().zip(weights))
-                    });
-                    let of_coordinates = of_nodes
-                        .flat_map(|(gradient, row)| row.map(move |(&c, &w)| (c, gradient * w)));
-                    each_product(
-                        matter,
-                        of_coordinates,
-                        stiffness * scale,
-                        &mut |i, j, block| {
-                            *sums[i].entry(j).or_insert_with(Matrix3::zeros) += block;
-                        },
-                    );
+            let pairs = node_pairs(matter, place);
+            let mut shared = Vec::new();
+            (matter.law).shared_at(place.places, &mut |growth, stiffness| {
+                let of_nodes = growth.iter().map(|&(node, gradient)| {
+                    let (coordinates, weights) = map.row(node as usize);
+                    (gradient, coordinates.iter().zip(weights))
                 });
-            for (i, row) in sums.into_iter().enumerate() {
-                for (j, block) in row {
-                    matrix.add(i, j, block);
-                }
+                let of_coordinates =
+                    of_nodes.flat_map(|(gradient, row)| row.map(move |(&c, &w)| (c, gradient * w)));
+                shared.push((gathered(matter, of_coordinates), stiffness * scale));
+            });
+            let mut rows = BlockRows::new(matter, map, &pairs, &shared);
+            rows.add_pairs(matter, map, &pairs, scale);
+            for (gradient, stiffness) in &shared {
+                each_product(gradient, *stiffness, &mut |i, j, block| {
+                    let at = rows.find(i, j);
+                    rows.blocks[at] += block;
+                });
             }
+            rows.add_to(&mut matrix);
         }
     }
     matrix
 }
 
-/// Hands out the lower blocks of k g gᵀ by unknowns, g given by coordinate in parts.
-fn each_product(
-    matter: &Matter,
-    parts: impl Iterator<Item = (u32, Vector3)>,
-    stiffness: f64,
-    out: &mut impl FnMut(usize, usize, Matrix3),
-) {
+/// The tangent by pairs of nodes, sorted; each pair once.
+fn node_pairs(matter: &Matter, place: &Place<'_>) -> Vec<(u32, u32, Matrix3)> {
+    let merge = |pairs: &mut Vec<(u32, u32, Matrix3)>| {
+        pairs.sort_by_key(|&(a, b, _)| (a, b));
+        pairs.dedup_by(|later, first| {
+            let same = (later.0, later.1) == (first.0, first.1);
+            if same {
+                first.2 += later.2;
+            }
+            same
+        });
+    };
+    // Cells share most of their pairs: merged before they fill the memory.
+    let (mut pairs, mut most) = (Vec::new(), 1 << 16);
+    (matter.law).tangent_at(place, &mut |a, b, block| {
+        if pairs.len() == most {
+            merge(&mut pairs);
+            most = most.max(2 * pairs.len());
+        }
+        pairs.push((a, b, block));
+    });
+    merge(&mut pairs);
+    pairs
+}
+
+/// A gradient by unknown, sorted, from its parts by coordinate.
+fn gathered(matter: &Matter, parts: impl Iterator<Item = (u32, Vector3)>) -> Vec<(usize, Vector3)> {
     let mut gradient: BTreeMap<usize, Vector3> = BTreeMap::new();
     for (coordinate, part) in parts {
         if let Some(unknown) = matter.unknown(coordinate as usize) {
             *gradient.entry(unknown).or_insert_with(Vector3::zeros) += part;
         }
     }
-    for (&i, a) in &gradient {
-        for (&j, b) in gradient.range(..=i) {
-            out(i, j, a * b.transpose() * stiffness);
+    gradient.into_iter().collect()
+}
+
+/// Hands out the lower blocks of k g gᵀ by unknowns.
+fn each_product(
+    gradient: &[(usize, Vector3)],
+    stiffness: f64,
+    out: &mut impl FnMut(usize, usize, Matrix3),
+) {
+    for (row, (i, a)) in gradient.iter().enumerate() {
+        for (j, b) in &gradient[..=row] {
+            out(*i, *j, a * b.transpose() * stiffness);
+        }
+    }
+}
+
+/// Lower rows of blocks whose places are known before the blocks are: many small products add up in each.
+struct BlockRows {
+    /// (unknowns + 1).
+    starts: Vec<usize>,
+    /// Sorted within a row.
+    columns: Vec<u32>,
+    blocks: Vec<Matrix3>,
+}
+
+impl BlockRows {
+    /// All zero, with a place for each pair of unknowns that a pair of nodes or a shared gradient joins.
+    fn new(
+        matter: &Matter,
+        map: &SparseRows,
+        pairs: &[(u32, u32, Matrix3)],
+        shared: &[(Vec<(usize, Vector3)>, f64)],
+    ) -> Self {
+        let n = matter.unknown_count();
+        let mut nodes_of = vec![Vec::new(); n];
+        for node in 0..map.rows() {
+            for &c in map.row(node).0 {
+                if let Some(unknown) = matter.unknown(c as usize) {
+                    nodes_of[unknown].push(node as u32);
+                }
+            }
+        }
+        let mut beside = vec![Vec::new(); map.rows()];
+        for &(a, b, _) in pairs {
+            beside[a as usize].push(b);
+            if a != b {
+                beside[b as usize].push(a);
+            }
+        }
+        let mut gradients_of = vec![Vec::new(); n];
+        for (k, (gradient, _)) in shared.iter().enumerate() {
+            gradient.iter().for_each(|(i, _)| gradients_of[*i].push(k));
+        }
+        let (mut starts, mut columns) = (vec![0], Vec::new());
+        let (mut seen_node, mut seen) = (vec![usize::MAX; map.rows()], vec![usize::MAX; n]);
+        for i in 0..n {
+            let from = columns.len();
+            let mut put = |j: usize| {
+                if j <= i && std::mem::replace(&mut seen[j], i) != i {
+                    columns.push(j as u32);
+                }
+            };
+            for b in nodes_of[i].iter().flat_map(|a| &beside[*a as usize]) {
+                if std::mem::replace(&mut seen_node[*b as usize], i) != i {
+                    let unknowns = map.row(*b as usize).0.iter();
+                    (unknowns.filter_map(|&c| matter.unknown(c as usize))).for_each(&mut put);
+                }
+            }
+            for &k in &gradients_of[i] {
+                shared[k].0.iter().for_each(|(j, _)| put(*j));
+            }
+            columns[from..].sort_unstable();
+            starts.push(columns.len());
+        }
+        Self {
+            blocks: vec![Matrix3::zeros(); columns.len()],
+            starts,
+            columns,
+        }
+    }
+
+    fn find(&self, i: usize, j: usize) -> usize {
+        self.find_from(self.starts[i], i, j)
+    }
+
+    /// The place of a block at `from` or later in its row.
+    fn find_from(&self, from: usize, i: usize, j: usize) -> usize {
+        let row = &self.columns[from..self.starts[i + 1]];
+        // Most often the next one.
+        let at = match row.first() {
+            Some(&first) if first as usize == j => 0,
+            _ => row.partition_point(|column| (*column as usize) < j),
+        };
+        debug_assert!(row[at] as usize == j, "no place for a block");
+        from + at
+    }
+
+    /// Wᵀ K W, scaled; K by pairs of nodes.
+    fn add_pairs(
+        &mut self,
+        matter: &Matter,
+        map: &SparseRows,
+        pairs: &[(u32, u32, Matrix3)],
+        scale: f64,
+    ) {
+        let unknowns = |node: u32, out: &mut Vec<(usize, f64)>| {
+            let (coordinates, weights) = map.row(node as usize);
+            let known = coordinates.iter().zip(weights);
+            out.clear();
+            out.extend(known.filter_map(|(&c, &w)| Some((matter.unknown(c as usize)?, w))));
+            out.sort_by_key(|entry| entry.0);
+        };
+        let (mut left, mut right) = (Vec::new(), Vec::new());
+        // Where the search in the row of each right unknown goes on.
+        let mut next = Vec::new();
+        for &(a, b, block) in pairs {
+            unknowns(a, &mut left);
+            unknowns(b, &mut right);
+            next.clear();
+            next.extend(right.iter().map(|(j, _)| self.starts[*j]));
+            for &(i, u) in &left {
+                let mut from = self.starts[i];
+                for (&(j, w), next) in right.iter().zip(&mut next) {
+                    let part = block * (u * w * scale);
+                    if i >= j {
+                        let at = self.find_from(from, i, j);
+                        self.blocks[at] += part;
+                        from = at + 1;
+                    }
+                    if a != b && j >= i {
+                        let at = self.find_from(*next, j, i);
+                        self.blocks[at] += part.transpose();
+                        *next = at + 1;
+                    }
+                }
+            }
+        }
+    }
+
+    fn add_to(self, matrix: &mut BlockTriplets) {
+        for (i, range) in self.starts.windows(2).enumerate() {
+            for at in range[0]..range[1] {
+                matrix.add(i, self.columns[at] as usize, self.blocks[at]);
+            }
         }
     }
 }
