@@ -7,6 +7,7 @@ use std::path::PathBuf;
 
 /// Options of access.
 #[derive(clap::Args, Debug, Clone, Default)]
+#[command(next_help_heading = "Access")]
 pub struct AccessArgs {
     /// Identity file of the daemon for TLS: clients need a certificate of the same authority, and do
     /// what its role allows (see `palpate auth`).

@@ -9,6 +9,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 #[derive(clap::Args, Debug, Clone)]
+#[command(next_help_heading = "Connection")]
 pub struct Connection {
     /// Endpoint of the daemon; can be repeated [default: tcp/127.0.0.1:7447, with --identity
     /// tls/127.0.0.1:7447].

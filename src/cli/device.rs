@@ -29,48 +29,48 @@ pub struct Args {
     #[arg(long)]
     list: bool,
     /// Device name (see --list), or a TOML file with its figures (docs/devices.md).
-    #[arg(long, default_value = "ideal")]
+    #[arg(long, default_value = "ideal", help_heading = "Simulated device")]
     device: String,
     /// Hand: light, relaxed, firm, or a TOML file.
-    #[arg(long, default_value = "relaxed")]
+    #[arg(long, default_value = "relaxed", help_heading = "Simulated device")]
     hand: String,
     /// Motion: press, slide, tap, circle, pull, tremor, hold, or a TOML file of [[step]] or
     /// [[waypoint]] entries.
-    #[arg(long, default_value = "press")]
+    #[arg(long, default_value = "press", help_heading = "Simulated device")]
     motion: String,
     /// How far beyond first contact the hand aims, m.
-    #[arg(long, default_value_t = 0.004)]
+    #[arg(long, default_value_t = 0.004, help_heading = "Simulated device")]
     depth: f64,
     /// Poses per second [default: the device's own rate; in lockstep one per tick].
-    #[arg(long)]
+    #[arg(long, help_heading = "Simulated device")]
     rate: Option<f64>,
     /// Duration, for example 10s.
     #[arg(long = "for", value_parser = text::duration, default_value = "10s")]
     duration: Duration,
     /// Seed of everything random in the device, the hand and the network.
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, help_heading = "Simulated device")]
     seed: u64,
     /// Bound of the hand's tremor in each axis, m [default: that of the hand].
-    #[arg(long)]
+    #[arg(long, help_heading = "Simulated device")]
     tremor: Option<f64>,
     /// Network delay in each direction, for example 5ms.
-    #[arg(long, value_parser = text::duration)]
+    #[arg(long, value_parser = text::duration, help_heading = "Network between device and daemon")]
     delay: Option<Duration>,
     /// Random additional delay, up to this much.
-    #[arg(long, value_parser = text::duration)]
+    #[arg(long, value_parser = text::duration, help_heading = "Network between device and daemon")]
     jitter: Option<Duration>,
     /// Fraction of poses and of forces that are lost, 0 to 1.
-    #[arg(long, default_value_t = 0.0)]
+    #[arg(long, default_value_t = 0.0, help_heading = "Network between device and daemon")]
     loss: f64,
     /// Fraction that arrives after the next one, 0 to 1.
-    #[arg(long, default_value_t = 0.0)]
+    #[arg(long, default_value_t = 0.0, help_heading = "Network between device and daemon")]
     reorder: f64,
     /// How long to wait for a daemon that is not there yet [default: 10s], or that falls silent [default:
     /// 5s, which is also the least]; the device is let go meanwhile.
     #[arg(long, value_parser = text::duration)]
     wait: Option<Duration>,
     /// Keep the device's port passive (time-domain passivity control).
-    #[arg(long)]
+    #[arg(long, help_heading = "Simulated device")]
     passivity: bool,
     /// Write every servo period to a CSV file.
     #[arg(long)]

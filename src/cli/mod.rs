@@ -14,6 +14,7 @@ mod doctor;
 mod echo;
 mod explain;
 mod export;
+mod help;
 mod hz;
 mod import;
 mod info;
@@ -40,7 +41,7 @@ mod view;
 mod waiting;
 
 use crate::transport::threads_for_many_clients;
-use clap::{CommandFactory, Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches as _, Parser, Subcommand};
 use palpate_proto::text::printable;
 use palpate_record::InputsError;
 use std::process::ExitCode;
@@ -194,7 +195,7 @@ pub fn end_when_nobody_reads() {
 /// The command line's definition, for completions, manual pages and checks of documents.
 #[doc(hidden)]
 pub fn command() -> clap::Command {
-    Cli::command()
+    help::dressed(Cli::command())
 }
 
 /// Runs the program with the arguments of the process.
@@ -211,10 +212,11 @@ pub fn main_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> Exi
 pub fn code_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> u8 {
     end_when_nobody_reads();
     let named = std::iter::once("palpate".into()).chain(arguments);
-    let cli = Cli::parse_from(named);
+    let matches = command().get_matches_from(named);
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     start_logs(cli.log_format);
     let Some(command) = cli.command else {
-        let _ = Cli::command().print_help();
+        let _ = self::command().print_help();
         return 0;
     };
     if matches!(
@@ -249,14 +251,14 @@ pub fn code_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> u8 
         Commands::Echo(args) => echo::run(&args),
         Commands::Ls(args) => ls::run(&args),
         Commands::Hz(args) => hz::run(&args),
-        Commands::Man(args) => man::run(&args, Cli::command()),
+        Commands::Man(args) => man::run(&args, self::command()),
         Commands::Auth(args) => auth::run(&args),
         Commands::Surface(args) => surface::run(&args),
         Commands::Doctor(args) => doctor::run(&args),
         Commands::Completions { shell } => {
             // Into memory first: the generator panics where a pipe is closed.
             let mut script = Vec::new();
-            clap_complete::generate(shell, &mut Cli::command(), "palpate", &mut script);
+            clap_complete::generate(shell, &mut self::command(), "palpate", &mut script);
             print!("{}", String::from_utf8_lossy(&script));
             Ok(Outcome::Ok)
         }

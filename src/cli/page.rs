@@ -11,6 +11,7 @@ use std::sync::Arc;
 
 /// Options of the page.
 #[derive(clap::Args, Debug, Clone)]
+#[command(next_help_heading = "Page and viewers")]
 pub struct PageArgs {
     /// Serve the page at this address, for example 127.0.0.1:8080.
     #[arg(long, value_name = "ADDRESS")]

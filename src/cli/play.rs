@@ -41,16 +41,16 @@ pub struct Args {
     #[arg(long, value_parser = remap)]
     remap: Vec<(String, String)>,
     /// Zenoh endpoint to listen on; can be repeated.
-    #[arg(short, long)]
+    #[arg(short, long, help_heading = "Bus")]
     listen: Vec<String>,
     /// Zenoh endpoint to connect to; can be repeated.
-    #[arg(short = 'e', long)]
+    #[arg(short = 'e', long, help_heading = "Bus")]
     connect: Vec<String>,
     /// Zenoh configuration file (JSON5).
-    #[arg(long)]
+    #[arg(long, help_heading = "Bus")]
     zenoh_config: Option<PathBuf>,
     /// Instance name.
-    #[arg(long, default_value = "default")]
+    #[arg(long, default_value = "default", help_heading = "Bus")]
     instance: String,
     #[command(flatten)]
     access: super::access::AccessArgs,

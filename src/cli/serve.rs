@@ -66,53 +66,53 @@ type MouseRadius = Option<f64>;
 #[derive(clap::Args, Debug, Clone)]
 pub struct Common {
     /// Stop after this long by the clock, for example 10s (in lockstep: simulated time).
-    #[arg(long = "for", value_parser = text::duration)]
+    #[arg(long = "for", value_parser = text::duration, help_heading = "When it ends")]
     pub duration: Option<Duration>,
     /// Stop when no client has held a tool for this long, for example 10m.
-    #[arg(long, value_parser = text::duration)]
+    #[arg(long, value_parser = text::duration, help_heading = "When it ends")]
     pub idle_timeout: Option<Duration>,
     #[command(flatten)]
     pub recording: RecordArgs,
     /// Zenoh endpoint to listen on; port 0 is any free one; can be repeated [default:
     /// tcp/127.0.0.1:7447, with --identity tls/127.0.0.1:7447, with --connect none].
-    #[arg(short, long)]
+    #[arg(short, long, help_heading = "Bus")]
     pub listen: Vec<String>,
     /// Zenoh endpoint to connect to; can be repeated.
-    #[arg(short = 'e', long)]
+    #[arg(short = 'e', long, help_heading = "Bus")]
     pub connect: Vec<String>,
     /// Zenoh configuration file (JSON5).
-    #[arg(long)]
+    #[arg(long, help_heading = "Bus")]
     pub zenoh_config: Option<PathBuf>,
     /// Instance name.
-    #[arg(long, default_value = "default")]
+    #[arg(long, default_value = "default", help_heading = "Bus")]
     pub instance: String,
     #[command(flatten)]
     pub access: super::access::AccessArgs,
     #[command(flatten)]
     pub page: super::page::PageArgs,
     /// Speak ROS 2 (rmw_zenoh) too: tools are moved by the topics of `[ros2]` in the scene.
-    #[arg(long)]
+    #[arg(long, help_heading = "Other protocols")]
     pub ros2: bool,
     /// Speak OpenIGTLink (3D Slicer, PLUS) on this port of this machine: proxies of tools out, poses of
     /// trackers in.
-    #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = "18944")]
+    #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = "18944", help_heading = "Other protocols")]
     pub igtl: Option<u16>,
     /// Do not request FIFO scheduling and locked memory.
-    #[arg(long)]
+    #[arg(long, help_heading = "Loop")]
     pub no_rt: bool,
     /// Keep ticks on a fixed grid of time. By default they move, a little each tick, to just after the
     /// poses of a device, so that its force answers sooner; the simulation is the same.
-    #[arg(long)]
+    #[arg(long, help_heading = "Loop")]
     pub fixed_phase: bool,
     /// Number of threads on which bodies that deform step, that of the tick among them; results do not
     /// depend on it [default: one per core, at most 8].
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", help_heading = "Loop")]
     pub threads: Option<std::num::NonZeroUsize>,
     /// Stop when the process that started this one ends.
-    #[arg(long)]
+    #[arg(long, help_heading = "When it ends")]
     pub with_parent: bool,
     /// Re-run every N ticks on a second thread and check that the results are bit-identical.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000), help_heading = "Loop")]
     pub self_check: Option<u32>,
     /// Port of the Agones sidecar that gets the daemon's state.
     #[arg(skip)]
@@ -121,6 +121,7 @@ pub struct Common {
 
 /// Recording options.
 #[derive(clap::Args, Debug, Clone)]
+#[command(next_help_heading = "Recording")]
 pub struct RecordArgs {
     /// Record to this file from the first tick on; given a directory, choose a name in it.
     #[arg(long)]

@@ -18,6 +18,7 @@ use std::time::Duration;
 
 /// Hardware of other makers.
 #[derive(clap::Args, Debug)]
+#[command(next_help_heading = "Hardware and other programs")]
 #[group(id = "adapters", multiple = true)]
 pub struct AdapterArgs {
     /// Move the tool with this hardware instead of a simulated device.
