@@ -60,10 +60,18 @@ pub struct Args {
     #[arg(long, value_parser = text::duration, help_heading = "Network between device and daemon")]
     jitter: Option<Duration>,
     /// Fraction of poses and of forces that are lost, 0 to 1.
-    #[arg(long, default_value_t = 0.0, help_heading = "Network between device and daemon")]
+    #[arg(
+        long,
+        default_value_t = 0.0,
+        help_heading = "Network between device and daemon"
+    )]
     loss: f64,
     /// Fraction that arrives after the next one, 0 to 1.
-    #[arg(long, default_value_t = 0.0, help_heading = "Network between device and daemon")]
+    #[arg(
+        long,
+        default_value_t = 0.0,
+        help_heading = "Network between device and daemon"
+    )]
     reorder: f64,
     /// How long to wait for a daemon that is not there yet [default: 10s], or that falls silent [default:
     /// 5s, which is also the least]; the device is let go meanwhile.

@@ -216,7 +216,7 @@ pub fn code_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> u8 
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     start_logs(cli.log_format);
     let Some(command) = cli.command else {
-        let _ = self::command().print_help();
+        let _ = command().print_help();
         return 0;
     };
     if matches!(

@@ -3,7 +3,7 @@
 use clap::{Arg, Command};
 use std::fmt::Write as _;
 
-/// All commands, in the order of the help.
+/// All commands.
 pub fn markdown(mut command: Command) -> String {
     // Gives every subcommand its full name and usage.
     command.build();
