@@ -14,11 +14,11 @@ use std::time::Duration;
 
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    #[command(flatten)]
-    common: Common,
     /// Do not serve the viewer page (default when not run from a terminal).
     #[arg(long)]
     headless: bool,
+    #[command(flatten)]
+    common: Common,
 }
 
 /// The demo's scene.

@@ -83,13 +83,13 @@ pub struct Args {
     /// Write every servo period to a CSV file.
     #[arg(long)]
     csv: Option<PathBuf>,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
     #[command(flatten)]
     adapter: adapter::AdapterArgs,
     #[command(flatten)]
     connection: Connection,
-    /// Print one JSON object.
-    #[arg(long)]
-    json: bool,
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {

@@ -4,13 +4,13 @@ use clap::Command;
 use std::fmt::Write as _;
 
 /// Commands by what they are for.
-const GROUPS: [(&str, &[&str]); 6] = [
+const GROUPS: [(&str, &[&str]); 7] = [
     (
         "Start",
         &["demo", "scenes", "new", "import", "check", "plan", "doctor"],
     ),
     ("Run", &["serve", "device", "rpc", "relay", "lobby", "auth"]),
-    ("Look at the bus", &["ls", "hz", "echo"]),
+    ("Watch the bus", &["ls", "hz", "echo"]),
     (
         "Recordings",
         &[
@@ -18,11 +18,13 @@ const GROUPS: [(&str, &[&str]); 6] = [
         ],
     ),
     ("Experiments", &["scenario", "batch", "probe"]),
-    (
-        "Surfaces and the program",
-        &["surface", "schema", "completions", "man"],
-    ),
+    ("Surfaces", &["surface"]),
+    ("This program", &["schema", "completions", "man"]),
 ];
+
+/// Columns of a terminal, and those before what a command does.
+const WIDTH: usize = 80;
+const INDENT: usize = 14;
 
 /// Examples by command: what is typed after `palpate`, and what it does.
 const EXAMPLES: &[(&str, [(&str, &str); 2])] = &[
@@ -30,7 +32,7 @@ const EXAMPLES: &[(&str, [(&str, &str); 2])] = &[
         "demo",
         [
             ("demo", "press the teardrop and watch it in a browser"),
-            ("demo --for 10s --headless", "without a page"),
+            ("demo --for 10s --headless", "press without serving a page"),
         ],
     ),
     (
@@ -48,7 +50,7 @@ const EXAMPLES: &[(&str, [(&str, &str); 2])] = &[
     ),
     (
         "scenes",
-        [("scenes", "list them"), ("scenes --json", "for programs")],
+        [("scenes", "list them"), ("scenes --json", "as JSON")],
     ),
     (
         "scenario",
@@ -101,7 +103,7 @@ const EXAMPLES: &[(&str, [(&str, &str); 2])] = &[
         "check",
         [
             ("check scene.toml", "errors, warnings and a few ticks"),
-            ("check scene.toml --json", "for programs"),
+            ("check scene.toml --json", "as JSON"),
         ],
     ),
     (
@@ -161,8 +163,11 @@ const EXAMPLES: &[(&str, [(&str, &str); 2])] = &[
     (
         "explain",
         [
-            ("explain session.mcap --tick 1200", "why its forces are so"),
-            ("explain session.mcap --tick 1200 --json", "for programs"),
+            (
+                "explain session.mcap --tick 1200",
+                "list gaps, compliances and forces of its contacts",
+            ),
+            ("explain session.mcap --tick 1200 --json", "as JSON"),
         ],
     ),
     (
@@ -224,7 +229,7 @@ const EXAMPLES: &[(&str, [(&str, &str); 2])] = &[
     (
         "lobby",
         [
-            ("lobby", "on http://127.0.0.1:7440"),
+            ("lobby", "listen on http://127.0.0.1:7440"),
             (
                 "lobby --scenes scenes --max 4",
                 "a folder of scenes, four at once",
@@ -258,7 +263,7 @@ const EXAMPLES: &[(&str, [(&str, &str); 2])] = &[
     (
         "doctor",
         [
-            ("doctor", "this machine"),
+            ("doctor", "check this machine"),
             ("doctor scene.toml", "the rate at which it can run a scene"),
         ],
     ),
@@ -269,7 +274,7 @@ const EXAMPLES: &[(&str, [(&str, &str); 2])] = &[
                 "completions bash > ~/.local/share/bash-completion/completions/palpate",
                 "for bash",
             ),
-            ("completions fish | source", "for this fish"),
+            ("completions fish | source", "load into this shell"),
         ],
     ),
     (
@@ -306,7 +311,7 @@ const EXAMPLES: &[(&str, [(&str, &str); 2])] = &[
         "auth show",
         [
             ("auth show keys", "all of a directory"),
-            ("auth show keys/daemon.json5", "one"),
+            ("auth show keys/daemon.json5", "a single identity"),
         ],
     ),
     (
@@ -319,8 +324,8 @@ const EXAMPLES: &[(&str, [(&str, &str); 2])] = &[
     (
         "surface info",
         [
-            ("surface info part.step", "faces, area, volume"),
-            ("surface info builtin:torus --json", "for programs"),
+            ("surface info part.step", "print faces, area and volume"),
+            ("surface info builtin:torus --json", "as JSON"),
         ],
     ),
     (
@@ -342,7 +347,7 @@ const EXAMPLES: &[(&str, [(&str, &str); 2])] = &[
             ),
             (
                 "surface closest builtin:teardrop --points points.csv --json",
-                "for programs",
+                "as JSON",
             ),
         ],
     ),
@@ -392,10 +397,13 @@ const EXAMPLES: &[(&str, [(&str, &str); 2])] = &[
     (
         "surface merge",
         [
-            ("surface merge a.json b.json -o joined.json", "two patches"),
+            (
+                "surface merge a.json b.json -o joined.json",
+                "join two patches",
+            ),
             (
                 "surface merge a.json b.json c.json d.json --grid 2x2 -o joined.json",
-                "four",
+                "join four patches",
             ),
         ],
     ),
@@ -408,7 +416,7 @@ const EXAMPLES: &[(&str, [(&str, &str); 2])] = &[
             ),
             (
                 "surface isolate a.json b.json --json",
-                "how far, for programs",
+                "print the translations as JSON",
             ),
         ],
     ),
@@ -440,7 +448,7 @@ const EXAMPLES: &[(&str, [(&str, &str); 2])] = &[
         [
             (
                 "surface cut part.step --point 0,0,0.01 --normal 0,0,1 -o pieces",
-                "by a plane",
+                "cut by a plane",
             ),
             (
                 "surface cut part.step --point 0,0,0.01 --normal 0,0,1 --json",
@@ -499,7 +507,17 @@ fn groups(command: &Command) -> String {
         for name in names {
             let about = command.find_subcommand(name).and_then(Command::get_about);
             let about = about.map(ToString::to_string).unwrap_or_default();
-            let _ = writeln!(text, "  {name:<12} {about}");
+            let _ = write!(text, "  {name:<12}");
+            let mut column = INDENT;
+            for word in about.split_whitespace() {
+                if column + 1 + word.chars().count() > WIDTH {
+                    let _ = write!(text, "\n{:INDENT$}", "");
+                    column = INDENT;
+                }
+                let _ = write!(text, " {word}");
+                column += 1 + word.chars().count();
+            }
+            text.push('\n');
         }
         text.push('\n');
     }
@@ -553,6 +571,29 @@ mod tests {
         assert!(refused.is_empty(), "{refused:#?}");
     }
 
+    // A heading of flattened arguments would hold for the fields after them.
+    #[test]
+    fn options_of_the_command_itself_are_under_no_heading() {
+        fn look(command: &Command) {
+            let own = [
+                "json",
+                "headless",
+                "html",
+                "clock",
+                "mouse_tool",
+                "ready_fd",
+            ];
+            for argument in command.get_arguments() {
+                if own.contains(&argument.get_id().as_str()) {
+                    let name = command.get_name();
+                    assert_eq!(argument.get_help_heading(), None, "{name} {argument}");
+                }
+            }
+            command.get_subcommands().for_each(look);
+        }
+        look(&super::super::command());
+    }
+
     #[test]
     fn help_has_groups_lines_of_a_terminal_and_the_exit_codes() {
         let mut command = super::super::command();
@@ -561,6 +602,12 @@ mod tests {
             assert!(help.contains(&format!("\n{heading}:\n")), "{help}");
         }
         assert!(help.contains("Exit codes"), "{help}");
+        let listed = help.split("\nOptions:").next().unwrap();
+        let wide = listed
+            .lines()
+            .skip(1)
+            .find(|line| line.chars().count() > WIDTH);
+        assert_eq!(wide, None);
         let merge = command.find_subcommand_mut("surface").unwrap();
         let merge = merge.find_subcommand_mut("merge").unwrap();
         let help = merge.render_help().to_string();

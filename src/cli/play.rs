@@ -52,13 +52,13 @@ pub struct Args {
     /// Instance name.
     #[arg(long, default_value = "default", help_heading = "Bus")]
     instance: String,
+    /// Print the summary as one JSON object.
+    #[arg(long)]
+    json: bool,
     #[command(flatten)]
     access: super::access::AccessArgs,
     #[command(flatten)]
     page: super::page::PageArgs,
-    /// Print the summary as one JSON object.
-    #[arg(long)]
-    json: bool,
 }
 
 fn rate(text: &str) -> Result<f64, String> {

@@ -38,8 +38,6 @@ use std::time::Duration;
 pub struct Args {
     /// Scene file, or builtin:NAME (see `palpate scenes`).
     scene: PathBuf,
-    #[command(flatten)]
-    common: Common,
     /// Run in real time or in lockstep; overrides the scene.
     #[arg(long, value_parser = ["realtime", "lockstep"])]
     clock: Option<String>,
@@ -57,6 +55,8 @@ pub struct Args {
     /// Write the first of these objects to this open file descriptor, and close it.
     #[arg(long, value_name = "N")]
     ready_fd: Option<u32>,
+    #[command(flatten)]
+    common: Common,
 }
 
 /// Of a mouse's ball, m; `None`: as the scene has it.

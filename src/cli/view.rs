@@ -17,14 +17,14 @@ pub struct Args {
     /// Show this recording beside the first one, with their differences.
     #[arg(long, value_name = "OTHER")]
     against: Option<PathBuf>,
-    #[command(flatten)]
-    page: PageArgs,
     /// Write one self-contained page instead, which opens from disk.
     #[arg(long, value_name = "OUT.html", conflicts_with_all = ["against", "http"])]
     html: Option<PathBuf>,
     /// With --html: most bytes of recording in the page; a longer one is thinned.
     #[arg(long, default_value = "16MB", value_parser = text::bytes, requires = "html")]
     max_data: u64,
+    #[command(flatten)]
+    page: PageArgs,
 }
 
 /// Most files of a directory.
