@@ -447,7 +447,7 @@ const EXAMPLES: &[(&str, [(&str, &str); 2])] = &[
         "surface cut",
         [
             (
-                "surface cut part.step --point 0,0,0.01 --normal 0,0,1 -o pieces",
+                "surface cut part.step --point 0,0,0.01 --normal 0,0,1 -o pieces.step",
                 "cut by a plane",
             ),
             (
@@ -463,7 +463,10 @@ const EXAMPLES: &[(&str, [(&str, &str); 2])] = &[
                 "surface branch tree.json -o tree-surface.json",
                 "one surface of a tree",
             ),
-            ("surface branch surface.json --check", "measure a given one"),
+            (
+                "surface branch branched.json --check",
+                "measure a branching surface",
+            ),
         ],
     ),
 ];
